@@ -10,9 +10,9 @@ T = TypeVar("T")
 
 
 class Control:
-    """Feed hold and emergency stop, asked for at any moment and heard by the runtime at the next.
+    """Feed hold and emergency stop, requested at any moment and heard by the runtime at the next.
 
-    began: the run has begun; signalled: a signal interrupted it; ending: why it ends at the next rest, or empty.
+    began: the run has started; signalled: a signal interrupted it; ending: why it ends at the next rest, or empty.
     """
 
     def __init__(self) -> None:
@@ -25,11 +25,11 @@ class Control:
         self.ending = ""
 
     def hold(self) -> None:
-        """Ask for a feed hold."""
+        """Request a feed hold."""
         self._hold.set()
 
     def stop(self) -> None:
-        """Ask for an emergency stop."""
+        """Request an emergency stop."""
         self._stop.set()
 
     def interrupt(self) -> None:
@@ -56,7 +56,7 @@ class Control:
             raise KeyboardInterrupt
 
     def end_at_rest(self, why: str) -> None:
-        """Ask for a feed hold that nobody is asked about: the job ends there, because of ``why``."""
+        """Request a feed hold that nobody is asked about: the job ends there, because of ``why``."""
         self.ending = self.ending or why
         self.hold()
 
@@ -70,12 +70,12 @@ class Control:
 
     @property
     def hold_asked(self) -> bool:
-        """A feed hold was asked for and has not been answered."""
+        """A feed hold was requested and has not been answered."""
         return self._hold.is_set()
 
     @property
     def stop_asked(self) -> bool:
-        """An emergency stop was asked for."""
+        """An emergency stop was requested."""
         return self._stop.is_set()
 
     def answered(self) -> None:

@@ -1,7 +1,7 @@
 """Feeding a section to a board: which runs fit now, what has been sent, what comes next.
 
 Runs go out in the order in which their first steps are due, whatever their motor, and never a step beyond
-the tick asked for: long runs are cut there, and where a number is greater than a word of the board holds: no driver
+the tick requested: long runs are cut there, and where a number is greater than a word of the board holds: no driver
 cuts one. So everything not yet sent can still be retimed.
 """
 
@@ -36,7 +36,7 @@ class Words:
         return cls(count=board.max_count, add=board.max_add, interval=board.max_interval)
 
     def problem(self, runs: Columns) -> str | None:
-        """Why runs can not be sent, split as they may be; None when they can."""
+        """Why runs cannot be sent, split as they may be; None when they can."""
         interval, count, add = (runs[name].astype(np.int64) for name in ("interval", "count", "add"))
         longest = np.maximum(interval, interval + add * (count - 1))
         if len(longest) and int(longest.max()) > self.interval:
@@ -134,7 +134,7 @@ ANY = Words()
 
 
 class Feeder:
-    """The runs and events of one section on their way to a board; BoardError for what its words can not hold."""
+    """The runs and events of one section on their way to a board; BoardError for what its words cannot hold."""
 
     def __init__(self, section: StreamSection, words: Words = ANY) -> None:
         self.section = section
@@ -143,7 +143,7 @@ class Feeder:
         self._event = 0
 
     def follow(self, other: Feeder) -> None:
-        """Go on where ``other`` stands; ValueError when what it has sent is not the beginning of this section."""
+        """Continue where ``other`` is; ValueError when what it has sent is not the start of this section."""
         for motor, sent in zip(self._motors, other._motors, strict=True):
             motor.skip(sent.sent)
             if motor.sent_until != sent.sent_until:

@@ -31,7 +31,7 @@ MARGINS = (0.9, 0.7, 0.45, 0.2)
 """Parts of the acceleration to try, in this order."""
 
 QUICKEST_RAMP = 0.02
-"""Seconds from full speed to rest at least, where no axis asks for more."""
+"""Seconds from full speed to rest at least, where no axis requires more."""
 
 CELL = 0.001
 """Seconds of wall time in which the rate is constant: velocity changes in jumps of acceleration * CELL."""
@@ -42,7 +42,7 @@ _NEAR = 4  # samples of the window on either side
 
 @record(frozen=True, slots=True)
 class Hold:
-    """A feed hold in a section: the map, the tick at which rest begins after it, and how long it lasts."""
+    """A feed hold in a section: the map, the tick at which rest starts after it, and how long it lasts."""
 
     times: TimeMap
     rest_begins: int
@@ -129,7 +129,7 @@ def hold(
     rest: int,
     margin: float = MARGINS[0],
 ) -> Hold:
-    """Begin to slow down at ``tick``, rest for ``rest`` ticks, come back to the planned speed.
+    """Start to slow down at ``tick``, rest for ``rest`` ticks, come back to the planned speed.
 
     When motion ends before the rate does, the rest follows the last step.
     """

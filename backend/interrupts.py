@@ -1,6 +1,6 @@
 """Signals while a job runs: Ctrl-C is a feed hold, then an emergency stop; SIGTERM and SIGHUP are emergency stops.
 
-No signal ends the process between the beginning of a run and its record: handlers only ask, through ``Control``. Before
+No signal ends the process between the start of a run and its record: handlers only ask, through ``Control``. Before
 that they interrupt what is going on (KeyboardInterrupt), after it they find nothing left to stop: a process that ends
 with its run stays deaf, so that a late Ctrl-C changes neither its exit code nor what it still prints.
 """

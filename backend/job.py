@@ -60,7 +60,7 @@ def job_of(package: Package) -> Job:
 
 
 def job_from(package: Package, start: Sequence[int]) -> Job:
-    """The same where the motors began at these steps, which are the measured offsets' doing where there are any."""
+    """The same where the motors started at these steps, which are the measured offsets' doing where there are any."""
     job, moved = job_of(package), moved_to(package, start)
     return job if moved is None else replace(job, trace=moved.trace, stream=moved.stream)
 

@@ -1,4 +1,4 @@
-"""The journal of a run: an append-only file that says what was begun before it begins, whatever happens then.
+"""The journal of a run: an append-only file that says what was started before it starts, whatever happens then.
 
 Each line is a checksum, a blank and a JSON object; the checksum is SHA-256 over the checksum before it and the
 object, so that no line can be lost, changed or moved without notice. What has to be on the disk before something
@@ -29,7 +29,7 @@ from gproof.ir.record import record
 
 SCHEMA = "gproof-journal/1"
 SUFFIX, ENDED, DAMAGED = ".journal", ".ended", ".damaged"
-"""Of an open journal; of one that is closed; of one that could not be read to its end, after somebody was told so."""
+"""Of an open journal; of one that is closed; of one that could not be read to its end, after somebody was informed."""
 
 KEPT = 50
 """Closed journals that are kept in a folder; their records say the same."""
@@ -47,14 +47,14 @@ class Notes(Protocol):
     """What the runtime writes to."""
 
     def note(self, kind: str, fields: Mapping[str, Any], *, sync: bool) -> None:
-        """Keep an entry; sync: it is on the disk when this returns. OSError when it can not be kept."""
+        """Keep an entry; sync: it is on the disk when this returns. OSError when it cannot be kept."""
 
 
 class Journal:
     """A journal that is being written.
 
-    heading: further fields of the entry ``begin``: who began the run, and for what. ``note`` keeps what could not be
-    written, and the next ``note`` writes it first, behind nothing that is half a line.
+    heading: further fields of the entry ``begin``: who started the run, and for what. ``note`` keeps what could not be
+    written, and the next ``note`` writes it first, never after half a line.
     """
 
     def __init__(self, path: Path, board: str, heading: Mapping[str, Any]) -> None:
@@ -113,7 +113,7 @@ class Journal:
                 os.close(handle)
 
     def discard(self) -> None:
-        """Remove the file: nothing was begun."""
+        """Remove the file: nothing was started."""
         with contextlib.suppress(OSError):
             self.path.unlink()
         self.let_go()
@@ -158,7 +158,7 @@ def _plain(name: str) -> str:
 class Found:
     """A journal as read. entries: those before the first line that does not fit; damaged: the line number of it.
 
-    A last line without its end is no damage where it begins as one does: what is told there had not begun when the
+    A last line without its end is no damage where it starts as one does: what it says had not started when the
     writer died.
     """
 
@@ -198,7 +198,7 @@ class Found:
 
 
 def read_journal(path: Path) -> Found:
-    """A journal, as far as it can be believed; OSError when it can not be read."""
+    """A journal, as far as it can be believed; OSError when it cannot be read."""
     return _parsed(path, path.read_bytes() if path.stat().st_size <= LARGEST else b"\n")
 
 
@@ -259,7 +259,7 @@ class Left:
             os.close(handle)
 
     def remove(self) -> None:
-        """Remove the file: nothing was begun."""
+        """Remove the file: nothing was started."""
         self.found.path.unlink(missing_ok=True)
         self.let_go()
 

@@ -45,7 +45,7 @@ UNPROVED = (
 """Fields that rest on what the board, or who was asked, said: comparing with the package shows that they can be so."""
 
 TRUSTED, ANY_SIGNER, ALLOWED = "trusted-key", "any-signer", "allow-untrusted"
-"""Why the package might run: signed by a trusted key; no key was asked for; untrusted, and allowed to run."""
+"""Why the package might run: signed by a trusted key; no key was required; untrusted, and allowed to run."""
 
 
 class Result(enum.Enum):
@@ -53,7 +53,7 @@ class Result(enum.Enum):
 
     COMPLETED: the program's end. STOPPED: at rest, because the operator or a wait ended it there.
     EMERGENCY_STOP, UNDERRUN, FAULT (the board or the line to it): in the middle of things. REFUSED: at rest,
-    because a retimed section did not pass the validator or does not begin where the last one ended.
+    because a retimed section did not pass the validator or does not start where the last one ended.
     INTERRUPTED: gproof was killed or lost its computer; the record was made from the journal afterwards.
     """
 
@@ -234,7 +234,7 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """The names in a folder, on the disk; nothing where the file system can not do that."""
+    """The names in a folder, on the disk; nothing where the file system cannot do that."""
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

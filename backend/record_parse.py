@@ -72,7 +72,7 @@ def is_record(data: bytes) -> bool:
 
 
 def read_record(path: Path) -> ExecutionRecord:
-    """``parse_record`` of a file; OSError when it can not be read."""
+    """``parse_record`` of a file; OSError when it cannot be read."""
     return parse_record(path.read_bytes())
 
 

@@ -1,7 +1,7 @@
 """Signatures of execution records: Ed25519, in the form of a certificate's ``signature.json``.
 
 The signature covers the body of the record, which holds no times and no names of people; a second one covers the
-label beside it: when the run was begun, and who had signed the package. A signature says who made the record.
+label next to it: when the run was started, and who had signed the package. A signature says who made the record.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ FIELDS = {"public_key", "signature", "created", "comment", "package_signer", "la
 def sign(
     record: ExecutionRecord, key: Ed25519PrivateKey, *, created: str = "", package_signer: str = "", comment: str = ""
 ) -> dict[str, str]:
-    """The signature of a record. created: when the run was begun; package_signer: who signed what was run."""
+    """The signature of a record. created: when the run was started; package_signer: who signed what was run."""
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
     label = {

@@ -46,7 +46,7 @@ class Spacing:
 
     @classmethod
     def of(cls, machine: Machine, tick_frequency: int, *, exact: bool = False) -> Spacing:
-        """What the machine file asks for; ``exact``: every step on its mapped tick."""
+        """What the machine file requires; ``exact``: every step on its mapped tick."""
         gap = 2 * ticks_up(machine.board.step_pulse, tick_frequency)
         if machine.controller.max_step_frequency:
             gap = max(gap, ticks_up(1 / machine.controller.max_step_frequency, tick_frequency))
@@ -122,7 +122,7 @@ class _Motor:
         self.laid = self.last + late
 
     def give(self, rows: Ints, laid: int) -> None:
-        """New runs, the last of whose steps lies at ``laid``."""
+        """New runs, the last of whose steps is at ``laid``."""
         if len(rows):
             interval, count, add = (np.ascontiguousarray(rows[:, k]) for k in range(3))
             self.parts.append(table(interval, count, add, rows[:, 3].astype(np.int8)))
@@ -192,7 +192,7 @@ def _windows(at: Ints, direction: npt.NDArray[np.int8], laid: int, spacing: Spac
 def slow_map(section: StreamSection, tick_frequency: int, factor: Fraction) -> TimeMap:
     """The map of a feed override: everything at ``factor`` of its speed, dwells as long as they were.
 
-    A section begins and ends at rest, so no ramp is needed: velocities scale by the factor, accelerations
+    A section starts and ends at rest, so no ramp is needed: velocities scale by the factor, accelerations
     by its square.
     """
     if not LEAST_FACTOR <= factor <= GREATEST_FACTOR:

@@ -1,4 +1,4 @@
-"""Runs for step ticks that have little room: each step may lie anywhere in its own window.
+"""Runs for step ticks that have little room: each step may be anywhere in its own window.
 
 Within a window any tick is as good as another (the caller made windows that keep order, shortest
 intervals and direction set-up), so a run is as long as some (interval, add) passes through all windows.
@@ -21,7 +21,7 @@ def reach(low: Ints, high: Ints, begin: int, end: int, last: int, add: int) -> t
     """Steps from ``begin`` that one run with this ``add`` can hold; an interval for it; where it failed.
 
     The third value is +1 when a greater ``add`` may reach further, -1 a smaller one, 0 neither.
-    Step k of the run lies at last + k*interval + add*k*(k-1)/2, its window is low..high.
+    Step k of the run is at last + k*interval + add*k*(k-1)/2, its window is low..high.
     """
     floor = 1
     ceiling = high[begin] - last

@@ -69,7 +69,7 @@ file says that the controller's own buffer is: no host feeds a board more often,
 takes minutes to simulate."""
 
 PREPARING = 0.2
-"""Seconds that working out a feed hold beside a running board may take, beside twice what a rehearsal took."""
+"""Seconds for calculating a feed hold while a board runs, in addition to twice what a rehearsal took."""
 
 
 NOTED = 1.0
@@ -113,16 +113,16 @@ def run(
 ) -> ExecutionRecord:
     """Run a package on a board; RunRefused before any motion, a record afterwards whatever happens.
 
-    RunFailed, with the record, when a callback raises. OSError when the journal can not be begun: nothing has moved.
+    RunFailed, with the record, when a callback raises. OSError when the journal cannot be started: nothing has moved.
 
     board: one, or how it is made, once the package has been checked. operator: who answers waits (default:
     AutoContinue). on_progress: called with the part of all ticks done.
     hold_at: feed holds, in ticks of motion since the start (an int rests for one second). override: 0.1 to 1,
     of the planned speed. estop_at: emergency stop at that tick of motion. machine, setup: what is at hand, when
     it is known apart from the package; trusted_keys: whose certificates are accepted; a board that is not the one named
-    virtual asks for all three. allow_untrusted: on the virtual one, nobody has to be trusted. control: requests from
+    virtual requires all three. allow_untrusted: on the virtual one, nobody has to be trusted. control: requests from
     other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
-    what has to be there when this process ends before the run does; a run that can not go on writing it ends at rest.
+    what has to be there when this process ends before the run does; a run that cannot go on writing it ends at rest.
     """
     job = checked_job(
         package, machine=machine, setup=setup, trusted_keys=trusted_keys, allow_untrusted=allow_untrusted
@@ -243,7 +243,7 @@ class _Walk:
             self.control.end_at_rest(f"the journal cannot be written ({error.strerror or error})")
 
     def _begin(self, is_: Capabilities) -> None:
-        """Everything that the record says of a run that has not moved yet; OSError when that can not be kept."""
+        """Everything that the record says of a run that has not moved yet; OSError when that cannot be kept."""
         board = BoardRecord(
             name=is_.name,
             motors=is_.motors,
@@ -320,7 +320,7 @@ class _Walk:
         return self._follow(number)
 
     def _prepared(self, planned: StreamSection) -> tuple[StreamSection, list[Retiming]] | str:
-        """The section with the override and the holds that fall into it, or why it can not be had."""
+        """The section with the override and the holds that fall into it, or why it cannot be had."""
         section, retimings = planned, []
         if self.factor != 1 and self._overridable(planned.number):
             made = self.retimer.override(section, self.factor)
@@ -448,7 +448,7 @@ class _Walk:
         return -1
 
     def _reached(self, target: int) -> int:
-        """The next section, when it begins where the motors are."""
+        """The next section, when it starts where the motors are."""
         here, there = self.trail.sections[-1].position, self.job.stream.sections[target].start
         if here == there:
             return target
@@ -457,7 +457,7 @@ class _Walk:
         return -1
 
     def _go_on(self, number: int) -> bool:
-        """A feed hold that was asked for so late that the section has ended: it holds here."""
+        """A feed hold that was requested so late that the section has ended: it holds here."""
         request = HoldRequest(section=number, tick=self.trail.sections[-1].ticks)
         resume = bool(self.control.ask(lambda: self.operator.held(request)))
         self.control.answered()
@@ -500,7 +500,7 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
 
 
 def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
-    """Why a board can not run a job."""
+    """Why a board cannot run a job."""
     where = Span(job.name, 0)
     if is_.name != VIRTUAL:
         if job.accepted != TRUSTED:

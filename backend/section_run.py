@@ -195,7 +195,7 @@ class SectionRun:
     # Feed hold.
 
     def _hear(self, now: int) -> None:
-        """Begin or go on working out a feed hold."""
+        """Start or go on working out a feed hold."""
         if self._held is not None or self._finished or self._unheld or not self.control.hold_asked:
             return
         rest = self.is_.tick_frequency
@@ -205,7 +205,7 @@ class SectionRun:
             self._take(self._ready(section, max(now, self._feeder.sent_until), rest))
             return
         if self._asked is None:
-            # The board goes on: the hold begins where its FIFO will be fed no further.
+            # The board goes on: the hold starts where its FIFO will be fed no further.
             self._worker = self._worker or ThreadPoolExecutor(max_workers=1)
             at = max(now, self._feeder.sent_until, now + self.pace.lookahead + self._patience)
             self._asked = (at, self._worker.submit(self._ready, section, at, rest))

@@ -1,8 +1,8 @@
 """TimeMap: a strictly increasing map from ticks of a section to later ticks, in integers.
 
 Breakpoints (source, target), straight lines between them, every slope at least one: nothing ever comes
-sooner than planned. Two breakpoints with the same source are a rest: what lies at or before the source tick
-keeps the first target, what lies after it is later by the difference. After the last breakpoint ticks are
+sooner than planned. Two breakpoints with the same source are a rest: what is at or before the source tick
+keeps the first target, what is after it is later by the difference. After the last breakpoint ticks are
 shifted. Because the slopes are at least one and the division rounds down, two ticks are never nearer after
 the map than before it (``docs/execution-record.md`` has the proof); so the order of all steps and events of
 all motors is kept, and no interval becomes shorter.
@@ -32,7 +32,7 @@ class TimeMap:
     target: Ints
 
     def verify(self) -> None:
-        """Begins at 0, slopes of at least one, products within 64 bits; ValueError otherwise."""
+        """Starts at 0, slopes of at least one, products within 64 bits; ValueError otherwise."""
         if len(self.source) != len(self.target) or not len(self.source):
             raise ValueError("a time map needs breakpoints with two ticks each")
         if self.source[0] != 0 or self.target[0] != 0:

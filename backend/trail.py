@@ -1,7 +1,7 @@
-"""The trail of a run: entries that say what was begun, acknowledged and answered, and the record that they give.
+"""The trail of a run: entries that say what was started, acknowledged and answered, and the record that they give.
 
 The runtime makes the entries and ``journal.py`` keeps them on the disk; from either the same ``ExecutionRecord`` is
-made, here and nowhere else. A trail without its end gives a record that claims what was acknowledged, and no more.
+made, here and in no other place. A trail without its end gives a record that claims what was acknowledged, and no more.
 ``docs/execution-record.md`` lists the entries.
 """
 
@@ -20,7 +20,7 @@ Entry = tuple[str, dict[str, Any]]
 
 
 class Trail:
-    """Entries in their order. ``add`` takes one; the record can be asked for at any moment."""
+    """Entries in their order. ``add`` takes one; the record can be requested at any moment."""
 
     def __init__(self) -> None:
         self.ended = False
@@ -142,7 +142,7 @@ class Trail:
         return counts
 
     def record(self) -> ExecutionRecord:
-        """The record; ValueError when the run was not even begun."""
+        """The record; ValueError when the run was not even started."""
         if self._begun is None or self._board is None:
             raise ValueError("the run was not started")
         sections = (*self._sections, *(() if self._open is None else (self._open,)))

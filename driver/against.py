@@ -1,7 +1,7 @@
-"""``gproof verify PACKAGE --against SOURCE``: the source compiled anew, and the first part in which they differ.
+"""``gproof verify PACKAGE --against SOURCE``: the source compiled again, and the first part in which they differ.
 
 A signature says who made a package; this shows that it is what the source gives, part by part, by the very code of
-``gproof compile``. Names of files are not compared: a job is the same wherever it lies.
+``gproof compile``. Names of files are not compared: a job is the same wherever it is.
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ def _unlike(said: np.ndarray[Any, Any], made: np.ndarray[Any, Any]) -> int:
 
 
 def _body(said: dict[str, Any], made: dict[str, Any]) -> str:
-    """What the body says beside the parts; of properties only what they are, not which gproof said so."""
+    """What the body says apart from the parts; of properties only what they are, not which gproof said so."""
     for key in _BODY:
         one, other = (_plain(key, body.get(key)) for body in (said, made))
         if one != other:

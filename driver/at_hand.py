@@ -26,7 +26,7 @@ class AtHand:
 
 
 def require_files(machine: Path | None, setup: str | None, source: Path | None) -> None:
-    """UsageError for what can not be read, before any work is done."""
+    """UsageError for what cannot be read, before any work is done."""
     if machine is not None:
         require_file(machine, "machine file")
     if setup is not None and setup != "zero":
@@ -38,7 +38,7 @@ def require_files(machine: Path | None, setup: str | None, source: Path | None) 
 def read_at_hand(
     package: Package, findings: Findings, *, machine: Path | None, setup: str | None, source: Path | None
 ) -> AtHand:  # fmt: skip
-    """Read what is named; UsageError where it can not be used. A setup is one of the machine at hand, else of that
+    """Read what is named; UsageError where it cannot be used. A setup is one of the machine at hand, else of that
     of the package."""
     the_machine = _machine(machine, findings)
     the_setup = _setup(setup, the_machine or package.machine, findings)

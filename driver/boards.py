@@ -1,4 +1,4 @@
-"""What ``gproof run`` asks for before a board moves (``backend/boards/registry.py`` has the boards)."""
+"""What ``gproof run`` requires before a board moves (``backend/boards/registry.py`` has the boards)."""
 
 from __future__ import annotations
 

@@ -20,9 +20,9 @@ from gproof.passes.checks.registry import every_property
 class Asked:
     """What the user asks of a job besides its verdict.
 
-    also: properties that the command line asks for, which are in the policy already;
+    also: properties that the command line requires, which are in the policy already;
     new_baseline: the folder of a baseline that will be written, None: of none; fail_on: as the command line
-    says, which is in the policy already; strict: as the command line or the job file says, beside the policy's.
+    says, which is in the policy already; strict: as the command line or the job file says, in addition to the policy's.
     """
 
     policy: Policy = NO_POLICY

@@ -18,7 +18,7 @@ Inequality = tuple[tuple[tuple[str, Fraction], ...], Fraction]
 
 
 def contradiction(conditions: Iterable[Condition]) -> float:
-    """0 where some values may satisfy all conditions, else by how much they miss each other at the least."""
+    """0 where some values may satisfy all conditions, else by how much they miss each other at least."""
     left = {inequality for condition in conditions for inequality in _inequalities(condition)}
     for symbol in sorted({symbol for terms, _ in left for symbol, _ in terms}):
         missed = _missed(left)

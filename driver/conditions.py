@@ -1,4 +1,4 @@
-"""A SAFE that holds under conditions: which property asks for what, and the words that say so in every report.
+"""A SAFE that holds under conditions: which property requires what, and the words that say so in every report.
 
 ``SAFE if`` where the conditions fit, ``SAFE-IF`` where one word does. Under another verdict there are no conditions.
 """

@@ -1,6 +1,6 @@
 """The registry of dialects: one line each, the first where nothing says which one a job is in.
 
-What a line names is light: a dialect's folder imports what it needs when something of it is asked for.
+What a line names is light: a dialect's folder imports what it needs when something of it is requested.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def extensions() -> dict[str, str]:
 
 
 def settings_files() -> dict[str, str]:
-    """What files of controllers are that stand beside programs, by name in lower case."""
+    """The kinds of controllers' files that are not programs, by name in lower case."""
     return {name: what for one in frontends() for name, what in one.settings}
 
 

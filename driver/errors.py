@@ -16,7 +16,7 @@ Tell = Callable[["Findings"], None]
 
 
 class UsageError(Exception):
-    """Arguments or files that can not be used. findings: what was found in them, said before the line."""
+    """Arguments or files that cannot be used. findings: what was found in them, said before the line."""
 
     def __init__(self, message: str, findings: Findings | None = None) -> None:
         super().__init__(message)

@@ -1,10 +1,10 @@
 """What others wrote, as a terminal may show it: names of jobs, machines, motors, files, reasons and comments.
 
 Built on Unicode's general categories. Whatever would move the cursor, end the line, change colours or turn the order
-of what stands beside it (control characters, ESC, separators of lines, formats such as the overrides of direction,
+of the text next to it (control characters, ESC, separators of lines, formats such as the overrides of direction,
 surrogates, private ones and those that are not assigned) is printed as its number.
 
-Logs of CI servers are read by programs too: what GitHub's runner takes for a command (``::name`` at the beginning of a
+Logs of CI servers are read by programs too: what GitHub's runner takes for a command (``::name`` at the start of a
 line, ``##[name]`` anywhere in one: actions/runner, ActionCommand.cs) is broken by the number of one of its characters.
 ``report/escape.py`` does the same inside JSON, XML and programs.
 """
@@ -14,7 +14,7 @@ from __future__ import annotations
 import unicodedata
 
 LONGEST = 400
-"""Characters of one text that are printed; of more, the beginning, and how many there are."""
+"""Characters of one text that are printed; of more, the start, and how many there are."""
 
 
 def shown(text: object, longest: int = LONGEST) -> str:
@@ -34,7 +34,7 @@ def in_one_line(text: str) -> str:
 
 
 def escaped(text: str) -> str:
-    """Each character that can not be seen as its number."""
+    """Each character that cannot be seen as its number."""
     return "".join(map(_visible, text))
 
 

@@ -1,4 +1,4 @@
-"""Paths from the command line: one clear line for what can not be read or written, before any work is done."""
+"""Paths from the command line: one clear line for what cannot be read or written, before any work is done."""
 
 from __future__ import annotations
 
@@ -72,9 +72,9 @@ def require_place(path: Path, what: str, inputs: tuple[Path | str | None, ...] =
 
 
 def write_text(path: Path, text: str, what: str) -> None:
-    """Write a file in one step; UsageError, and no part of it, when that can not be done.
+    """Write a file in one step; UsageError, and no part of it, when that cannot be done.
 
-    Names of files that are no UTF-8 stand in it as on standard output: ``\\udcff`` for a byte 0xFF.
+    Names of files that are no UTF-8 are in it as on standard output: ``\\udcff`` for a byte 0xFF.
     """
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:

@@ -27,7 +27,7 @@ HEAD = 1000
 class Job:
     """A job and what it is judged with.
 
-    also: properties asked for beyond the policy's; strict: a SAFE with conditions counts as UNKNOWN; source: the job
+    also: properties requested beyond the policy's; strict: a SAFE with conditions counts as UNKNOWN; source: the job
     file that says so, None for the command line.
     """
 
@@ -69,7 +69,7 @@ def find_jobs(
 
 
 def is_several(names: Sequence[str]) -> bool:
-    """Whether names may stand for more, or for something else, than one file with a program."""
+    """Whether names may be for more, or for something else, than one file with a program."""
     path = Path(names[0])
     if not names[0]:
         return True
@@ -193,7 +193,7 @@ def _named(table: TomlTable, key: str, source: Path, name: str, settings: Job) -
 
 
 def _matching(pattern: str, folder: Path) -> list[str]:
-    """What a pattern matches; nothing for what can not be one."""
+    """What a pattern matches; nothing for what cannot be one."""
     try:
         return glob.glob(pattern, root_dir=folder, recursive=True)
     except (OSError, ValueError, re.error, OverflowError, RecursionError):

@@ -52,7 +52,7 @@ class Summary:
     """Figures of a job. box: (axis, relative to "" or unknown offsets, low, high), mm or degrees;
     seconds: estimated time without waits, None without machine data; at_least: some moves are not in it;
     branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
-    and the time is not known; begin, end: machine position before the job and behind it by axis, mm or degrees, NaN
+    and the time is not known; begin, end: machine position before the job and after it by axis, mm or degrees, NaN
     where it is not known, end empty where it has several; extents: the box with columns and forms; unit: mm
     in the first unit that the job names, None: none; remains: of stock, where somebody watches the job (``observe``)
     and it has one end; open_path: some finding leaves open where the tool goes, so that nothing is proved."""
@@ -79,7 +79,7 @@ class Judgement:
     """The answer of ``check``: the verdict of the policy, each property, assumptions of the whole.
 
     accepted: findings that a comment or a baseline accepts, each with how (SARIF's word) and the reason; left_out:
-    properties that are answered and that the policy does not ask for: the verdict says nothing of them; strict: those
+    properties that are answered and that the policy does not require: the verdict says nothing of them; strict: those
     that are UNKNOWN only because their SAFE would have conditions.
     """
 
@@ -99,7 +99,7 @@ def judge(
 ) -> Judgement:  # fmt: skip
     """Judge the job; ``observe`` sees every chunk of the first pass.
 
-    properties: those that the verdict asks for; the others of the default policy are answered too.
+    properties: those that the verdict requires; the others of the default policy are answered too.
     beat: hears from time to time how many blocks are executed, and where, chunks or none; hears: takes what rests on
     unknown offsets beside zones, in all passes (``passes/checks/zones/zones.py``): of that ``areas`` says nothing then.
     """
@@ -143,7 +143,7 @@ def in_spite_of(
 ) -> list[Finding]:  # fmt: skip
     """What is found besides where these errors are accepted: the job is run with what their lines changed lost.
 
-    Behind an error nothing is told of what rests on its line, as no controller comes there; who accepts it does.
+    After an error nothing is reported that depends on its line, as no controller comes there; who accepts it does.
     """
     accepted = frozenset((finding.code.number, finding.span) for finding in errors)
     if session.program is None or not accepted or not judgement.summary.open_path:
@@ -166,7 +166,7 @@ def in_spite_of(
 
 @record(slots=True, kw_only=True)
 class _Course:
-    """Where a job begins and ends, what it waits for and which unit it names first, as its chunks go by."""
+    """Where a job starts and ends, what it waits for and which unit it names first, as its chunks go by."""
 
     machine: Machine
     sections: int = 0
@@ -196,7 +196,7 @@ class _Course:
 
 
 class _Checks:
-    """The checks of one pass: those of the default policy, and what ``properties`` asks for beside them."""
+    """The checks of one pass: those of the default policy, and what ``properties`` requires in addition."""
 
     def __init__(
         self, session: Session, run: Run, findings: Findings, properties: Sequence[str], hears: Hears | None
@@ -314,7 +314,7 @@ def _places(machine: Machine, at: Sequence[float], frame: Frame) -> dict[str, fl
 
 
 def _standing(session: Session, waits: set[Wait]) -> list[str]:
-    """What every answer about positions stands on."""
+    """What every answer about positions depends on."""
     out = []
     homed = session.setup.homed
     if homed is None and session.machine_given:
@@ -443,7 +443,7 @@ def _both(
 ) -> PropertyResult:  # fmt: skip
     """One property under two settings of a switch, or by two checks: both must hold, for the same offsets.
 
-    firsts: moves of the second one; refuted: that they exclude each other is told already.
+    firsts: moves of the second one; refuted: that they exclude each other is reported already.
     """
     verdict = worst((a.verdict, b.verdict))
     assumptions = a.assumptions + tuple(x for x in b.assumptions if x not in a.assumptions)

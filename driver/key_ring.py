@@ -2,7 +2,7 @@
 
 All in one folder of the user's: ``signing-key.pem`` (mode 0600), and in ``keys/`` one ``NAME.pem`` a key, which is
 the public key as every tool reads it, below lines such as ``expires: 2027-01-31`` and ``revoked: 2026-11-23``. What
-can not be understood there is an error of every command that asks: a key that was revoked must not come back because
+cannot be understood there is an error of every command that needs it: a key that was revoked must not come back because
 its file was damaged.
 """
 
@@ -63,7 +63,7 @@ Warn = Callable[[str], None]
 
 
 def read_ring(warn: Warn | None = None) -> KeyRing:
-    """All keys of the user; UsageError for one that can not be read, or that others may write.
+    """All keys of the user; UsageError for one that cannot be read, or that others may write.
 
     warn: takes why the own private key is such a one, which is not trusted then; None: that is an error too.
     """
@@ -105,7 +105,7 @@ def trusted_with(files: tuple[Path, ...], warn: Warn) -> tuple[Signer, ...]:
 
 
 def given_key(path: Path, what: str) -> Signer:
-    """A public key from a file of somebody, with the dates that stand above it as ``keys/NAME.pem`` has them.
+    """A public key from a file of somebody, with the dates that are above it as ``keys/NAME.pem`` has them.
 
     UsageError for what is no such file. Other lines above the key are anybody's: tools write some.
     """
@@ -130,7 +130,7 @@ def _of(path: Path, error: ValueError) -> str:
 
 
 def _days(data: bytes) -> tuple[dict[str, datetime.date], list[tuple[str, str]]]:
-    """The dates that stand above a key in PEM form, and the other lines there as (word, rest); ValueError."""
+    """The dates that are above a key in PEM form, and the other lines there as (word, rest); ValueError."""
     days: dict[str, datetime.date] = {}
     others: list[tuple[str, str]] = []
     text = data.decode("ascii", "replace")
@@ -146,7 +146,7 @@ def _days(data: bytes) -> tuple[dict[str, datetime.date], list[tuple[str, str]]]
 
 
 def name_of(raw: bytes, signers: tuple[Signer, ...]) -> str:
-    """``own (k3ab-...)``: how a key is told of."""
+    """``own (k3ab-...)``: how messages name a key."""
     name = next((one.name for one in signers if one.raw == raw and one.name), "")
     return f"{name} ({fingerprint(raw)})" if name else fingerprint(raw)
 
@@ -162,7 +162,7 @@ def date_of(text: str) -> datetime.date:
 
 
 def require_name(name: str) -> None:
-    """UsageError for what can not be the name of a key."""
+    """UsageError for what cannot be the name of a key."""
     if not _NAME.fullmatch(name) or not name.isascii():
         raise UsageError(f"name {name!r}: use letters, digits, '.', '_' and '-', at most 64; choose a name with --name")
     if name.lower() == OWN:

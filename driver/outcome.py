@@ -77,7 +77,7 @@ def closing_line(outcomes: list[Outcome]) -> str:
 class Fingerprints:
     """Names for findings that stay when lines move: file, code, the text of the line, and which one of its like.
 
-    A line's text counts without its white space and line number (N word), which programs get anew each time.
+    A line's text counts without its white space and line number (N word), which programs get again each time.
     """
 
     _texts: dict[str, dict[int, str]] = field(default_factory=dict)

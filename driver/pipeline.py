@@ -50,7 +50,7 @@ def lower(
 ) -> Lowered:  # fmt: skip
     """Trace, then plan, then stream, as far as ``stage``; every stage verified.
 
-    conditions: what open offsets are asked for: the stream is then made for a reference in the middle of it.
+    conditions: those on open offsets: the stream is then made for a reference in the middle of it.
     """
     from gproof.driver.running import execute
 
@@ -104,7 +104,7 @@ def _leave_open(session: Session, lowered: Lowered, conditions: Sequence[Conditi
 
 
 STATED = "put these offsets, lengths and positions into a setup file and compile with --setup FILE"
-"""What to do about a job that can not be put where its offsets are measured later."""
+"""What to do about a job that cannot be put where its offsets are measured later."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -149,7 +149,7 @@ class Compiled:
 def compile_job(request: Request, shown: Watcher) -> Compiled:
     """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way.
 
-    UsageError (exit 3) for files that can not be read or written at all.
+    UsageError (exit 3) for files that cannot be read or written at all.
     """
     session = open_session(
         request.job, machine=request.machine, setup=request.setup, dialect=request.dialect, call=request.running.call
@@ -186,7 +186,7 @@ def compile_job(request: Request, shown: Watcher) -> Compiled:
 
 
 def _judged(session: Session, request: Request, shown: Watcher) -> Judgement:
-    """The judgement of the default policy and what is asked for beside it; its findings are the session's then."""
+    """The judgement of the default policy and what is requested in addition; its findings are the session's then."""
     policy = with_options(NO_POLICY, fail_on=None, warnings_are_errors=False, also=request.also)
     shown.phase("checking", None if session.program is None else session.program.line_count)
     judged = judge(
@@ -201,7 +201,7 @@ def _judged(session: Session, request: Request, shown: Watcher) -> Judgement:
 
 
 def _quiet_lower(session: Session, running: Running, conditions: Sequence[Condition]) -> Lowered:
-    """Lower with a collector of its own: judging told what executing finds already."""
+    """Lower with a collector of its own: judging reported what executing finds already."""
     told = session.findings
     session.findings = Findings(limit=told.limit, stated=told.stated)
     lowered = lower(session, running, "stream", conditions)

@@ -25,7 +25,7 @@ _OFF = "off"
 
 @record(frozen=True, slots=True, kw_only=True)
 class Policy:
-    """properties: all of which must be SAFE; severity: by number of a code, "off": not told.
+    """properties: all of which must be SAFE; severity: by number of a code, "off": not reported.
 
     fail_on: findings of this weight or more fail the check, whatever the verdict; strict: a SAFE with conditions
     counts as UNKNOWN; name: of the file.
@@ -44,7 +44,7 @@ class Policy:
         return "error" if self.warnings_are_errors and own == "warning" else own
 
     def weighed(self, finding: Finding) -> Finding | None:
-        """The finding as it counts here; None: it is not told."""
+        """The finding as it counts here; None: it is not reported."""
         weight = self.weight(finding)
         if weight == _OFF:
             return None

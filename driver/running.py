@@ -1,4 +1,4 @@
-"""A run of a program in its own language: begun, or whole."""
+"""A run of a program in its own language: started, or complete."""
 
 from __future__ import annotations
 

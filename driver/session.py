@@ -72,7 +72,7 @@ class Session:
 def open_session(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, call: str | None = None
 ) -> Session:
-    """Read everything; UsageError (exit 3) for files that can not be read at all."""
+    """Read everything; UsageError (exit 3) for files that cannot be read at all."""
     require_program(job, "job")
     findings = Findings()
     inputs: list[tuple[str, str, str]] = []

@@ -1,7 +1,7 @@
 """Findings that somebody has looked at and accepts: by a comment in the program with a reason, or by a baseline.
 
 Accepted findings stay in every report, marked; a verdict never changes by them. A comment accepts notes, warnings and
-unknowns; an error it can not accept.
+unknowns; an error it cannot accept.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def may_accept(program: Program | None) -> bool:
 
 
 def _signs(data: bytes) -> Iterator[int]:
-    """Where the sign of such a comment begins, in any case of letters; by pieces, as the file may be mapped."""
+    """Where the sign of such a comment starts, in any case of letters; by pieces, as the file may be mapped."""
     for begin, piece in pieces(data, len(_SIGN) - 1, _PIECE):
         # Most programs have no colon at all, and one byte is found much faster than a word.
         if b":" not in piece:
@@ -173,7 +173,7 @@ class Baseline:
     def accept(self, judgement: Judgement) -> None:
         """Mark the findings that are known.
 
-        An error, and what stands at no line, is known with its message alone: other numbers, another axis are new.
+        An error, and what is at no line, is known with its message alone: other numbers, another axis are new.
         """
         for finding, mark in _places(judgement.findings):
             message = self.known.get(_file_key(finding.span.file, self.path.parent), {}).get(mark)

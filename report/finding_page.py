@@ -9,7 +9,7 @@ from importlib import resources
 from gproof.ir.finding import Code
 
 FILES = "\n## Files\n"
-"""Where the technical part of a page begins."""
+"""Where the technical part of a page starts."""
 
 MORE = "..."
 """Before the rest of a program's line that is too long for the page."""
@@ -47,7 +47,7 @@ def page_to_read(code: Code) -> str:
 
 
 def within(page: str, width: int) -> str:
-    """Markdown with no longer lines: paragraphs and lists anew, the rest of a program's line on the next."""
+    """Markdown with no longer lines: paragraphs and lists wrapped again, the rest of a program's line on the next."""
     out: list[str] = []
     text: list[str] = []
 

@@ -143,7 +143,7 @@ def blocking_findings(fitted: Fitted) -> Findings:
 
 
 def assumptions(fitted: Fitted) -> list[str]:
-    """What the ranges stand on."""
+    """What the ranges depend on."""
     found = [*fitted.judgement.assumptions, *(a for r in fitted.judgement.properties for a in r.assumptions)]
     found += [fitted.fit.assumed] if fitted.fit.assumed else []
     return list(dict.fromkeys(one for one in found if not one.startswith("setup zero")))

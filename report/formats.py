@@ -1,4 +1,4 @@
-"""The registry of documents that ``check --format`` and ``check --report`` write: one line each, by the name asked for.
+"""The registry of documents that ``check --format`` and ``check --report`` write: one line each, by the name requested.
 
 A writer takes the outcomes of all jobs and whether repeats of a finding are listed one by one; it imports what it needs
 when it is called.

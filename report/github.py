@@ -1,4 +1,4 @@
-"""Reports as workflow commands of GitHub Actions, which put findings beside the lines of a change."""
+"""Reports as workflow commands of GitHub Actions, which put findings next to the lines of a change."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def workflow_commands(outcomes: Sequence[Outcome], *, every: bool = False) -> st
         if outcome.problem:
             lines.append(f"::error title=gproof::{_data(outcome.problem)}")
     for outcome in outcomes:
-        # A path may begin with what would be a command.
+        # A path may start with what would be a command.
         lines.append(f"gproof: {_data(outcome.job)}: {_data(_verdict(outcome))}")
     lines.append(closing_line(list(outcomes)))
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Findings that differ in numbers only, told once: ``and 312 more like this``, from where to where, and the worst.
+"""Findings that differ in numbers only, reported once: ``and 312 more like this``, from where to where, and the worst.
 
 Text reports take them from ``Findings``, reports for other programs from the JSON report, which has the same figures.
 """

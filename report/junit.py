@@ -12,7 +12,7 @@ from gproof.driver.outcome import Outcome
 from gproof.report.escape import xml_text
 
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that XML 1.0 can not carry."""
+"""Characters that XML 1.0 cannot carry."""
 
 
 COUNTED = ("tests", "failures", "errors", "skipped")

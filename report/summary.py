@@ -81,7 +81,7 @@ def print_summary(
     session: Session, judgement: Judgement, *, findings: bool = False, unit: LengthUnit | None = None,
     code: int | None = None, every: bool = False,
 ) -> None:  # fmt: skip
-    """Verdicts with their conditions, what they stand on, then the figures of the job, lined up; findings: before them.
+    """Verdicts with conditions, what they depend on, then the figures of the job, lined up; findings: before them.
 
     unit: None: that of the machine file, or without one that of the job; code: the exit code, None: the verdict's;
     every: findings that repeat each other one by one.
@@ -121,7 +121,7 @@ def print_summary(
 
 
 def _row(label: str, text: str, shaded: str = "") -> None:
-    """A line; text: may hold anything; shaded: what stands before it, in a colour of ours."""
+    """A line; text: may hold anything; shaded: what is before it, in a colour of ours."""
     click.echo(f"  {label:<10}  {shaded}{in_one_line(text)}".rstrip())
 
 

@@ -31,7 +31,7 @@ _LENGTHS = re.compile(
 _PLACE = re.compile(rf"(?<!\w)([XYZ])({_NUMBER})(?![\w.])")
 """A place in texts called ``where``."""
 _LITERAL = re.compile(r"(?<=\}) mm\b")
-"""The unit behind a number of a template."""
+"""The unit after a number of a template."""
 _FINE = re.compile(r"\.3f\}")
 """How a template prints a length."""
 

@@ -28,7 +28,7 @@ _CHORDS = 72
 
 @record(frozen=True, slots=True)
 class Drawn:
-    """A body in machine coordinates, or beside the unknown zero of the scene it is drawn in.
+    """A body in machine coordinates, or relative to the unknown zero of the scene it is drawn in.
 
     role: of ``ROLES``; rings: from above, holes too; low, high: its box; number: its place among those of
     its role in the setup.
@@ -121,7 +121,7 @@ def _one(name: str, bodies: list[Placed]) -> dict[str, object]:
 
 
 def drawn(session: Session, forms: tuple[Affine, ...], tip: tuple[TipOffset, ...] | None) -> list[Drawn]:
-    """The bodies that stand where a picture with unknowns ``forms`` of X, Y and Z has them.
+    """The bodies that are where a picture with unknowns ``forms`` of X, Y and Z has them.
 
     tip: of the tool that heights are drawn for, None for no heights.
     """
@@ -155,7 +155,7 @@ def _moved(role: str, body: Body, x: float, y: float, z: float | None) -> Drawn:
 
 
 def _rings(body: Body, low: Corner, high: Corner) -> tuple[tuple[Pair, ...], ...]:
-    """A body from above; of a mesh what lies around it."""
+    """A body from above; of a mesh what is around it."""
     if isinstance(body, Prism):
         return (body.outline, *body.holes)
     if isinstance(body, Cylinder):

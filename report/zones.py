@@ -16,7 +16,7 @@ Pair = tuple[float, float]
 
 
 def placed(session: Session) -> tuple[Area, ...]:
-    """The zones in machine coordinates; those that count from a work zero which nobody stated exactly are left out."""
+    """The zones in machine coordinates; those that count from a work zero which is not known exactly are left out."""
     out = []
     for area in (*session.machine.keep_out, *session.setup.keep_out):
         shift = [0.0, 0.0, 0.0]
@@ -55,7 +55,7 @@ def entry(at: np.ndarray, moves: np.ndarray, areas: tuple[Area, ...], reach: flo
 
 
 def outline(area: Area, axes: tuple[int, int], low: Pair, high: Pair) -> list[list[Pair]]:
-    """The rings of an area in a view, sides beyond it just outside; empty where it lies beside the view."""
+    """The rings of an area in a view, sides beyond it just outside; empty where it is outside the view."""
     u, v = area.box[axes[0]], area.box[axes[1]]
     if u[1] < low[0] or u[0] > high[0] or v[1] < low[1] or v[0] > high[1]:
         return []

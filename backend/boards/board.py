@@ -2,7 +2,7 @@
 
 A board counts ticks of its own clock and keeps a first-in-first-out store of runs, shared by all motors.
 The host opens a section, sends runs and events in order, says up to which tick nothing is missing, closes
-the section, and asks for the status in between. ``docs/boards.md`` tells how to add a board.
+the section, and requests the status in between. ``docs/boards.md`` says how to add a board.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.record import record
 
 VIRTUAL = "virtual"
-"""The name of the only board that moves nothing; an emulator, model or simulator behind a port is a board as others."""
+"""The name of the only board that moves nothing; an emulator, model or simulator on a port is a board as others."""
 
 
 def ticks_up(seconds: float, tick_frequency: int) -> int:
@@ -123,13 +123,13 @@ class Board(Protocol):
     """A board that makes steps. Ticks are the board's clock unless said otherwise; motors count from 0."""
 
     def open(self) -> Capabilities:
-        """Connect, forget any stop, give what the board is; BoardError when it can not."""
+        """Connect, forget any stop, give what the board is; BoardError when it cannot."""
 
     def close(self) -> None:
         """Let go of the board; it must be at rest or is stopped."""
 
     def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
-        """Begin a section ``lead`` ticks from now and give the clock tick of its tick 0.
+        """Start a section ``lead`` ticks from now and give the clock tick of its tick 0.
 
         start: where the host takes the motors to be, in steps; BoardError when the board counted otherwise.
         """
@@ -147,7 +147,7 @@ class Board(Protocol):
         """Promise that everything due up to ``tick`` of the section has been sent.
 
         Past it the board stops all motors together (an underrun) unless more was promised. None: nothing is
-        due until further notice. A board that can not watch this ignores it.
+        due until further notice. A board that cannot watch this ignores it.
         """
 
     def finish_section(self, duration: int) -> None:

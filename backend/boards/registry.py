@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from gproof.ir.machine import Machine
 
 VIRTUAL = "virtual"
-"""The one board that moves nothing: an emulator, a model or a simulator behind a port is a board that does, since what
+"""The one board that moves nothing: an emulator, a model or a simulator on a port is a board that does, since what
 hangs on a port is known to nobody here. So rules are about this name, and a board that is added falls under them."""
 
 Maker = Callable[["Machine", int, bool], "Board"]

@@ -1,4 +1,4 @@
-"""The virtual board: a FIFO of runs executed in simulated or in real time, with no hardware behind it.
+"""The virtual board: a FIFO of runs executed in simulated or in real time, without hardware.
 
 It is exact to the tick: positions, pulses, shortest intervals, overlapping pulses and late direction changes
 are those of a board that gives each pulse on its tick. In simulated time the clock moves only while the host

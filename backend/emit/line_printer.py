@@ -35,7 +35,7 @@ def padded(line: bytes, column: int) -> bytes:
 class LinePrinter:
     """Prints the lines of a file from the top; ``next`` is the first that is not printed yet.
 
-    kept: bytes with which no line may begin that did not begin so: it stays as it is. two_digits: G codes of plain
+    kept: bytes with which no line may start that did not start so: it stays as it is. two_digits: G codes of plain
     lines have two digits at least.
     """
 
@@ -121,7 +121,7 @@ class NoteReader:
         return found
 
     def of_line(self, line: int) -> list[Note]:
-        """The notes of one line, and of the next ones when asked for one after the other."""
+        """The notes of one line, and of the next ones when requested one after the other."""
         self._read(line)
         if self.rows is None:
             self.held = [notes for notes in self.held if len(notes.table) and int(notes.table["line"][-1]) >= line]

@@ -31,8 +31,8 @@ def plain_lines(
 ) -> tuple[bytes, list[tuple[int, int, int]]]:
     """The lines first..last with these words and notes.
 
-    limit: bytes that a line may have without its end; kept: bytes with which none may begin; two_digits: codes
-    below 10 have a zero before them. Returns the text and, of the lines that are longer or begin so, the number, begin
+    limit: bytes that a line may have without its end; kept: bytes with which none may start; two_digits: codes
+    below 10 have a zero before them. Returns the text and, of the lines that are longer or start so, the number, begin
     and end (without the line's end) in the text.
     """
     lines = last - first + 1
@@ -63,7 +63,7 @@ def plain_lines(
 
 
 def _decimals(words: Columns, compiled: bool) -> tuple[Any, Any, bytes]:
-    """Decimals of each word's number; the texts of those that the kernel can not print, and where each begins."""
+    """Decimals of each word's number; the texts of those that the kernel cannot print, and where each starts."""
     values, flags = words["value"], words["flags"]
     decimals = np.empty(len(words), np.int64)
     count = k.count_decimals.compiled() if compiled else k.count_decimals.python

@@ -92,7 +92,7 @@ class PrintedNotes(NamedTuple):
 
 
 class LongLines(NamedTuple):
-    """Gets number, begin and end in the text of lines that are too long, or that begin with what none may."""
+    """Gets number, begin and end in the text of lines that are too long, or that start with what none may."""
 
     line: Any
     begin: Any
@@ -120,7 +120,7 @@ def print_lines(
     for line in range(first, last + 1):
         start = size
         place = 0
-        begun = False  # something stands in the line
+        begun = False  # something is in the line
         slash = False  # the last thing is the slash
         while True:
             is_note = n < notes and note_line[n] == line

@@ -53,7 +53,7 @@ class Range:
 
     @property
     def fits(self) -> bool | None:
-        """Whether what was stated lies within the range; None: nothing was stated."""
+        """Whether the given value is within the range; None: none is given."""
         return None if self.now is None else self.short == 0.0
 
     @property
@@ -71,8 +71,8 @@ class Fit:
     verdict: of the job with what was stated, or, where nothing was, whether there are offsets. kind: ``ranges``: every
     value inside is SAFE; ``regions``: in the ranges, those are that lie in a region of each of ``zones`` as well;
     ``none``: no offsets are; ``unknown``. complete: outside nothing is SAFE. now: the verdict of the stated offsets,
-    None where none were; open_sides: axes that no limit holds, as told; zones: where sums may lie together;
-    reason: why there is no range, where no finding says it; assumed: of a start that nobody stated.
+    None where none were; open_sides: axes that no limit holds, as reported; zones: where sums may be together;
+    reason: why there is no range, where no finding says it; assumed: about an unknown start.
     """
 
     verdict: Verdict
@@ -126,7 +126,7 @@ def fit_of(
 
 
 def _starts(judgement: Judgement) -> dict[Affine, tuple[float, float]]:
-    """Between what a start that nobody stated is assumed to lie."""
+    """The bounds that are assumed for an unknown start."""
     found = (c for result in judgement.properties for c in result.conditions)
     return {c.terms: (c.low, c.high) for c in found if len(c.terms) == 1 and c.terms[0][0].startswith("start.")}
 
@@ -168,7 +168,7 @@ def _ranges(machine: Machine, asked: Asked, judgement: Judgement) -> tuple[Range
 
 
 def _solved(condition: Condition, asked: Asked) -> tuple[Affine, float, float]:
-    """The condition on what is asked for alone, for all values of what else was stated; never on a negative alone."""
+    """The condition on the open offsets alone, for all values of what else is given; never on a negative alone."""
     own = tuple(term for term in condition.terms if asked.is_open(term[0]))
     rest = tuple(term for term in condition.terms if not asked.is_open(term[0]))
     known = asked.interval(rest) if own and rest else None
@@ -260,7 +260,7 @@ def _followed(judgement: Judgement) -> bool:
 
 
 def _only_start(form: Affine, ends: tuple[float, float]) -> bool:
-    """The axis stands where it stood: nothing that a machine has to have room for beside the rest."""
+    """The axis is where it was: nothing that a machine must have additional room for."""
     return bool(form) and all(symbol.startswith("start.") for symbol, _ in form) and ends[0] == ends[1]
 
 

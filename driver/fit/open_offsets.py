@@ -28,20 +28,20 @@ class OpenSetup(Setup):
     kinds: tuple[str, ...] = ()
 
     def interval(self, symbol: str) -> Interval | None:
-        """As the stated setup has it; None for what is asked for."""
+        """As the setup has it; None for an open offset."""
         return None if symbol.split(".", maxsplit=1)[0] in self.kinds else Setup.interval(self, symbol)
 
 
 @record(frozen=True, slots=True)
 class Asked:
-    """What is asked for, and what was stated of it: the setup, and the zero offset table of a McuWIN machine."""
+    """The open offsets, and what is given for them: the setup, and the zero offset table of a McuWIN machine."""
 
     kinds: tuple[str, ...]
     setup: Setup
     machine: Machine
 
     def is_open(self, symbol: str) -> bool:
-        """Whether the symbol is one of the offsets that are asked for."""
+        """Whether the symbol is one of the open offsets."""
         return symbol.split(".", maxsplit=1)[0] in self.kinds
 
     def stated(self, symbol: str) -> Interval | None:
@@ -67,7 +67,7 @@ class Asked:
 
     @property
     def anything(self) -> bool:
-        """Whether any offset that is asked for was stated."""
+        """Whether a value is given for any open offset."""
         setup = self.setup
         return bool(
             setup.default_offset is not None

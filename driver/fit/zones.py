@@ -1,4 +1,4 @@
-"""Where offsets may lie beside the zones of a machine: what ``gproof fit`` adds to the ranges that the limits leave.
+"""Where offsets may be near the zones of a machine: what ``gproof fit`` adds to the ranges that the limits leave.
 
 Rows whose places are known are judged as ``check`` does; those that rest on open offsets are taken while the job
 streams by and become regions (``passes/checks/zones/zones_under_unknown_offsets.py``).
@@ -27,9 +27,9 @@ from gproof.passes.checks.zones.zones_under_unknown_offsets import OpenZones, Pl
 
 _STATED = ("work", "g92", "tool", "head")
 _SIDE = 1e-3
-"""mm by which the nearest place that is told lies inside."""
+"""mm by which the nearest place that is reported is inside."""
 _SIDES = 3
-"""Sides of all zones at which a start that nobody stated is tried."""
+"""Sides of all zones at which an unknown start is tried."""
 _TRIED = 20_000
 """Choices of boxes of several groups that are looked at for one that all agree on."""
 
@@ -44,7 +44,7 @@ class ZoneWatch:
         self._symbols: dict[str, Interval] = {}
         self._stands: dict[int, tuple[View, Stand]] = {}
         self.assumed = ""
-        """What the places rest on of a start that nobody stated, in words."""
+        """What the places depend on of an unknown start, in words."""
 
     def __call__(
         self, name: str, view: View, chunk: Chunk, mine: npt.NDArray[np.bool_], is_straight: bool | None
@@ -83,7 +83,7 @@ class ZoneWatch:
         return tuple(upright(place) for place in found if not _is_all(place, ranges))
 
     def _from_elsewhere(self, resolve: Resolve, ranges: Ranges, starts: Ranges) -> tuple[Place, ...] | None:
-        """What is left where the job begins beside all zones: above them, or at the side with most room for it.
+        """What is left where the job starts clear of all zones: above them, or at the side with most room for it.
 
         ``starts`` is narrowed for that, so that ``resolve`` knows; None where no side of them helps.
         """
@@ -115,7 +115,7 @@ def negated(form: Affine) -> Affine:
 
 
 def upright(place: Place) -> Place:
-    """The same place, told of offsets themselves where it is told of their negatives."""
+    """The same place, given for offsets themselves instead of for their negatives."""
     signs = [-1 if form and all(count < 0 for _, count in form) else 1 for form in place.terms]
     if signs == [1, 1, 1]:
         return place
@@ -175,9 +175,9 @@ def convex_parts(shape: Shape) -> tuple[npt.NDArray[np.float64], ...]:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Beside:
-    """Where some sums of offsets may lie together. place: the region; now: what was stated, by axis, None: not exactly.
+    """Where some sums of offsets may be together. place: the region; now: what was stated, by axis, None: not exactly.
 
-    inside: whether that lies in it; nearest: the place in it that is least far from there.
+    inside: whether that is in it; nearest: the place in it that is least far from there.
     """
 
     place: Place

@@ -1,4 +1,4 @@
-"""``fit --picture``: where the work zero may lie (SVG), from above, and from the front where Z does not fit.
+"""``fit --picture``: where the work zero may be (SVG), from above, and from the front where Z does not fit.
 
 A panel for each coordinate system and, beside zones, for each layer of heights: soft limits, zones, the region of the
 zero, the zero that is stated and the nearest place for it, and what the job reaches from there. All numbers are machine
@@ -189,7 +189,7 @@ def _panel(root: ET.Element, fitted: Fitted, panel: _Panel, left: float, top: fl
         known = machine.axis(AXIS_NAMES[panel.axes[axis]])
         values = [point[axis] for ring in panel.rings for point in ring if abs(point[axis]) < FAR] or [0.0]
         low, high = (None, None) if known is None else (known.lower, known.upper)
-        # A limit that nobody stated lies outside of what is shown.
+        # A limit that is unknown is outside of what is shown.
         limits.append((-math.inf if low is None else low, math.inf if high is None else high))
         values += [v for v in (low, high, None if panel.now is None else panel.now[axis]) if v is not None]
         shown.append((min(values), max(values)))

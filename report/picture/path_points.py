@@ -1,7 +1,7 @@
 """The path of a job as points for a picture, gathered while the job streams by.
 
-Arcs become short chords here: for the eye only, no check reads them. Positions that stand in different frames
-(sums of unknown offsets) can not be drawn in one picture; each point says which frame it stands in.
+Arcs become short chords here: for the eye only, no check reads them. Positions that are in different frames
+(sums of unknown offsets) cannot be drawn in one picture; each point says which frame it is in.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Forms = tuple[Affine, ...]
 class Points:
     """Columns of equal length; the move to point i starts at point i - 1.
 
-    at: (n, 3) mm; feed: cutting or traverse; line, file: where the move stands (line 0: the start);
+    at: (n, 3) mm; feed: cutting or rapid; line, file: where the move is (line 0: the start);
     diameter: of the tool in mm (0: not known); frame: index into ``forms``.
     """
 
@@ -135,7 +135,7 @@ class PathPoints:
 
 
 def _width(machine: Machine, state: State) -> float:
-    """mm: the diameter that the checks take for the tool of a state, at most; 0 where nobody states it."""
+    """mm: the diameter that the checks take for the tool of a state, at most; 0 where it is unknown."""
     ends = entry_of(machine, state.tool, state.diameters).ends
     return ends[1] if ends is not None and math.isfinite(ends[1]) else 0.0
 

@@ -1,4 +1,4 @@
-"""What is left of stock behind the job, as a picture of it from above shows it: the deeper, the darker.
+"""What is left of stock after the job, as a picture of it from above shows it: the deeper, the darker.
 
 Cells are drawn at their highest place, so nothing that may still be there is left out.
 """
@@ -26,7 +26,7 @@ Ints = npt.NDArray[np.int64]
 
 @record(frozen=True, slots=True, eq=False)
 class Relief:
-    """low: where the first cell begins, in the frame of the picture, mm; size: of cells.
+    """low: where the first cell starts, in the frame of the picture, mm; size: of cells.
 
     level: (ny, nx), -1 where no stock was; depth: (ny, nx), mm below what was there.
     """

@@ -1,4 +1,4 @@
-"""What a picture of a job shows: the path in one frame, where its findings are, where an unknown work zero may lie."""
+"""What a picture of a job shows: the path in one frame, where its findings are, where an unknown work zero may be."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class Mark:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """What there is to draw, in the frame that most of the cut stands in.
+    """What there is to draw, in the frame that most of the cut is in.
 
     joined: (n,) the move to point i can be drawn; shift: by axis, mm to add for machine coordinates (None: not
-    known, 0: they are); zero: by axis, where the unknown work zero may lie; tools: how many cut; bodies: stock,
+    known, 0: they are); zero: by axis, where the unknown work zero may be; tools: how many cut; bodies: stock,
     part and fixtures; reliefs: what is left of stock.
     """
 
@@ -60,7 +60,7 @@ class Scene:
 
 
 def scene_of(path: PathPoints, session: Session, judgement: Judgement) -> Scene:
-    """The scene of a path; the frame that most of the cut stands in decides."""
+    """The scene of a path; the frame that most of the cut is in decides."""
     points = path.points()
     forms: list[Forms] = list(path.forms) or [((), (), ())]
     cutting = points.frame[points.feed] if points.feed.any() else points.frame
@@ -102,7 +102,7 @@ def _reliefs(judgement: Judgement, bodies: list[Drawn]) -> tuple[Relief, ...]:
 
 
 def _zero(judgement: Judgement, form: Affine) -> Pair | None:
-    """Where the sum of unknown offsets may lie, by the conditions of the verdict."""
+    """Where the sum of unknown offsets may be, by the conditions of the verdict."""
     for result in judgement.properties:
         for c in result.conditions:
             if c.terms == form and math.isfinite(c.low) and math.isfinite(c.high):
@@ -137,7 +137,7 @@ def _marks(
                          colour=WEIGHT[f.severity]))  # fmt: skip
     outside = np.flatnonzero(joined & (beyond > _SLACK))
     if judgement.findings.hidden(SOFT_LIMIT) and len(outside):
-        # Findings are listed up to a number; the drawing shows all that lies outside.
+        # Findings are listed up to a number; the drawing shows all that is outside.
         at = points.at[outside[np.argmax(beyond[outside])]].tolist()
         colour = WEIGHT[Severity.ERROR]
         out.insert(0, Mark(moves=outside, at=(at[0], at[1], at[2]), text="GP301 at its worst", colour=colour))
@@ -150,7 +150,7 @@ def by_weight(finding: Finding) -> tuple[bool, int]:
 
 
 def _beyond(at: np.ndarray, machine: Machine | None) -> np.ndarray:
-    """(n,): mm by which a point lies outside the soft limits, 0 or less inside."""
+    """(n,): mm by which a point is outside the soft limits, 0 or less inside."""
     out = np.zeros(len(at))
     for axis in machine.axes if machine is not None else ():
         if axis.index < 3 and axis.lower is not None:

@@ -1,10 +1,10 @@
 """``check --picture``: the job as a drawing (SVG): what it cuts, where on the machine that is, what is wrong with it.
 
 Left the cut from above and from the front, at one scale, with holes and grooves as wide as the tool where the tool
-table gives diameters; below, what is left of stock, where ``collisions`` is asked for. Right the same on the whole
+table gives diameters; below, what is left of stock, where ``collisions`` is requested. Right the same on the whole
 machine with soft limits, tool change area and keep-out zones. All
-numbers are machine coordinates; where a work zero is not known, the cut stands relative to it, and the machine shows
-where that zero may lie. Rotary axes are not drawn. The same inputs give the same bytes.
+numbers are machine coordinates; where a work zero is not known, the cut is relative to it, and the machine shows
+where that zero may be. Rotary axes are not drawn. The same inputs give the same bytes.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Drawing:
 
 @record(frozen=True, slots=True, kw_only=True)
 class _View:
-    """A window on two axes: what it spans, where it stands on the page, pixels per mm."""
+    """A window on two axes: what it spans, where it is on the page, pixels per mm."""
 
     name: str
     axes: tuple[int, int]
@@ -343,7 +343,7 @@ class _Sheet:
         self.used.add("limits")
 
     def _areas(self, group: ET.Element, view: _View, known: bool, whole: bool) -> None:
-        """What lies beneath the path: the tool change area, and where an unknown zero may be."""
+        """What is beneath the path: the tool change area, and where an unknown zero may be."""
         area = self.machine.tool_change_area
         if area is not None and known:
             x, y = area.box[view.axes[0]], area.box[view.axes[1]]

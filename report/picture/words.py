@@ -12,7 +12,7 @@ def wide(text: str, size: float, bold: bool = False) -> float:
 
 
 def wrapped(text: str, size: float, room: float, bold: bool = False) -> list[str]:
-    """The text in lines no wider than ``room``, one at least; broken at blanks and behind ``/``, else anywhere."""
+    """The text in lines no wider than ``room``, one at least; broken at blanks and after ``/``, otherwise anywhere."""
     lines: list[str] = []
     line = ""
     for piece in re.findall(r"[^ /]*[ /]?", "".join(c if c.isprintable() else "?" for c in text)):

@@ -1,6 +1,6 @@
 """Whether a value read from a file has the types that its dataclass declares, all the way down.
 
-``parse_ir`` builds any dataclass of the IR from any fields; this is what stands between such a value and code
+``parse_ir`` builds any dataclass of the IR from any fields; this is what is between such a value and code
 that trusts its types.
 """
 
@@ -25,7 +25,7 @@ def _fields(cls: type) -> tuple[tuple[str, Any], ...]:
 def misfit(value: Any, hint: Any, where: str = "") -> str:
     """The first place that is not of its declared type, or an empty text.
 
-    A value of a type made from the declared one is held against its own fields. A whole number may stand where a float
+    A value of a type made from the declared one is held against its own fields. A whole number is allowed where a float
     is declared; a truth value stands for no number.
     """
     return "" if _checker(hint)(value) else _misfit(value, hint, where)

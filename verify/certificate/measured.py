@@ -40,7 +40,7 @@ _FAR = float(1 << 28)
 
 
 class NotPlaced(ValueError):
-    """Why a Trace can not be put at other offsets, or not at these; a part of a sentence."""
+    """Why a Trace cannot be put at other offsets, or not at these; a part of a sentence."""
 
 
 class NotStated(NotPlaced):
@@ -55,7 +55,7 @@ class NotStated(NotPlaced):
 class Place:
     """What the places of an axis rest on.
 
-    form: the sum that every place of the job rests on, () for none; start: where the axis stands when the job begins,
+    form: the sum that every place of the job rests on, () for none; start: where the axis is when the job starts,
     less the form's value, None where its start rests on the form itself (or is the form); grid: mm or degrees, the
     least distance that is whole steps of all motors of the axis; step: of the finest of them.
     """
@@ -87,7 +87,7 @@ class Place:
         return taken
 
     def conditions(self) -> Iterator[Condition]:
-        """What the runtime asks of a setup: the form stated, and the axis standing where the stream begins."""
+        """What the runtime requires of a setup: the form is given, and the axis is where the stream starts."""
         if self.start is None:
             yield Condition(terms=self.form, low=-math.inf, high=math.inf)
             return
@@ -109,7 +109,7 @@ Values = Mapping[int, float]
 
 
 def places_of(trace: Trace, machine: Machine, setup: Setup) -> dict[int, Place]:
-    """By axis, what its places rest on; empty where all are known. NotPlaced where the job can not be put anywhere."""
+    """By axis, what its places rest on; empty where all are known. NotPlaced where the job cannot be put anywhere."""
     found: dict[int, Place] = {}
     frames = {section.start_frame for section in trace.sections}
     for section in trace.sections:
@@ -161,7 +161,7 @@ def _place(trace: Trace, machine: Machine, axis: int, used: set[Affine]) -> Plac
 
 
 def _start(trace: Trace, axis: int, begins: Affine, form: Affine) -> float:
-    """Where the axis has to stand, less the form's value: where the first move to a place of the form takes it.
+    """Where the axis must be, less the form's value: where the first move to a place of the form takes it.
 
     The first section that has such a move decides; of others, and of moves in between, the lengths are known then too.
     """
@@ -239,7 +239,7 @@ def _reference(place: Place, conditions: Sequence[Condition], setup: Setup) -> f
 
 
 def _of_form(condition: Condition, place: Place, setup: Setup) -> tuple[int, float]:
-    """A condition as count x form + shift, the start being where the stream begins; (0, 0) when it is none of it.
+    """A condition as count x form + shift, the start being where the stream starts; (0, 0) when it is none of it.
 
     Of offsets that are bounded, and that a condition has no term of, the middle counts.
     """
@@ -293,9 +293,9 @@ def open_of(body: Mapping[str, Any], trace: Trace, machine: Machine, setup: Setu
 def values_of(
     places: Mapping[int, Place], setup: Setup, machine: Machine
 ) -> tuple[dict[int, Fraction], list[tuple[Place, NotPlaced]]]:
-    """The forms' values on whole steps, as a setup states them, and where it does not, or states what can not be.
+    """The forms' values on whole steps, as a setup states them, and where it does not, or states what cannot be.
 
-    The axes have to stand where the stream begins, to half a step.
+    The axes must be where the stream starts, to half a step.
     """
     found: dict[int, Fraction] = {}
     problems: list[tuple[Place, NotPlaced]] = []

@@ -271,7 +271,7 @@ _VERSION = re.compile(r"[0-9A-Za-z][0-9A-Za-z.+-]{0,39}", re.ASCII)
 
 
 def _other_version(path: Path, body: dict[str, Any], what: str) -> CertificateError:
-    """The error for a package that another version made; what it says of itself is not believed, only told."""
+    """The error for a package that another version made; what it says of itself is not believed, only reported."""
     version = body.get("gproof")
     maker = f"gproof {version}" if isinstance(version, str) and _VERSION.fullmatch(version) else "gproof"
     return CertificateError(codes.CERTIFICATE_FORMAT, str(path), f"made by {maker}, {what}")

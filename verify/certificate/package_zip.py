@@ -1,4 +1,4 @@
-"""The container of a package: a sealed zip file, its members read one by one, never more than was asked for.
+"""The container of a package: a sealed zip file, its members read one by one, never more than was requested.
 
 The last bytes of the file are the SHA-256 of all before them. The directory is bounded before it is parsed, a member
 is inflated in blocks into as many bytes as the reader expects, hashed meanwhile, and refused when it has one more or
@@ -34,7 +34,7 @@ _ENTRY = b"PK\x01\x02"
 
 
 class CertificateError(Exception):
-    """A package can not be used; ``finding`` says why."""
+    """A package cannot be used; ``finding`` says why."""
 
     def __init__(self, code: Code, path: str, what: str) -> None:
         self.finding: Finding = code.at(Span(path, 0), what=what)

@@ -230,7 +230,7 @@ class _Pair:
                 continue
             before = self._default(self.then, name, key) if before is None else before
             after = self._default(self.now, name, key) if after is None else after
-            # Whether a length is in force when the job begins decides where heights of bodies count from.
+            # Whether a length is in force when the job starts decides where heights of bodies count from.
             within = symbol != "tool.0.z"
             yield from self._entry(describe(((symbol, 1),), self.machine), before, after, within)
 
@@ -304,12 +304,12 @@ class _Pair:
         for bodies in (workpiece.stock, workpiece.part, workpiece.fixtures) if workpiece is not None else ():
             used |= {placed.work for placed in bodies}
         used |= {int(symbol.split(".")[1]) for symbol in _symbols_of(trace) if symbol.startswith("work.")}
-        # 0 is the active one where nobody knows which that is: it may be any.
+        # 0 is the active one if it is unknown which that is: it may be any.
         return used if 0 not in {state.work for state in trace.states} else set(range(10))
 
     @functools.cached_property
     def _tools_used(self) -> set[int] | None:
-        """Tools that a row or a sum of unknowns names; None: some row has a tool that nobody knows."""
+        """Tools that a row or a sum of unknowns names; None: some row has an unknown tool."""
         trace = self.trace
         rows = [*_arguments(trace, Op.TOOL_CHANGE), *_arguments(trace, Op.TOOL_OFFSET)]
         states = [state.tool for state in trace.states]

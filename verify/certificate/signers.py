@@ -40,7 +40,7 @@ Trusted = Iterable[bytes | Signer] | None
 def fingerprint(raw: bytes) -> str:
     """A key in 16 letters and digits that can be read out: the first 80 bits of its SHA-256 in base32.
 
-    Made so that another key with the same one can not be found; two that its maker chose together can.
+    Made so that another key with the same one cannot be found; two that its maker chose together can.
     """
     text = base64.b32encode(hashlib.sha256(raw).digest()).decode().lower()
     return "-".join(text[at : at + _GROUP] for at in range(0, _GROUP * _GROUPS, _GROUP))

@@ -47,7 +47,7 @@ def write_package(
 
     inputs: (name, sha256, role); properties: those of the trace; report: of the stream checker;
     Raises TooLarge when it would be larger than a reader takes.
-    created, comment: kept beside the signature, outside the body; a second signature covers them; left_open: the
+    created, comment: kept next to the signature, outside the body; a second signature covers them; left_open: the
     offsets that are measured later, of which the runtime asks what the position of the stream then has as conditions.
     """
     members = parts_of(machine, setup, trace, stream)

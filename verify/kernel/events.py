@@ -35,11 +35,11 @@ SWITCHES[list(EVENT_OPS)] = True
 """By op, whether it is one of these."""
 
 _TOLD = 8
-"""Problems of a kind that are told of a section's order."""
+"""Problems of a kind that are reported about a section's order."""
 
 
 class Pairs(NamedTuple):
-    """Events that stand in the order of their rows, with these, as lists; ticks, rows: for the kernel."""
+    """Events that are in the order of their rows, with these, as lists; ticks, rows: for the kernel."""
 
     op: list[int]
     arg: list[list[float]]
@@ -183,7 +183,7 @@ def left_to_others(trace: Trace) -> tuple[str, ...]:
 
 
 def spindle_before(trace: Trace) -> list[int | None]:
-    """The spindle's direction at each section's beginning; None where it depends on the way there.
+    """The spindle's direction at each section's start; None where it depends on the way there.
 
     Off at section 0; only SPINDLE rows change it.
     """

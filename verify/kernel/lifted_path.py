@@ -54,7 +54,7 @@ PAIRS = {1: (0, 1), 2: (2, 0), 3: (1, 2)}
 
 
 class Unfollowed(Exception):
-    """A row's Z can not be followed: row, kind and values."""
+    """A row's Z cannot be followed: row, kind and values."""
 
     def __init__(self, row: int, kind: str, *values: float) -> None:
         super().__init__(row, kind, *values)
@@ -76,7 +76,7 @@ class Lifting:
         self._before = self._on_before(height_map is not None and height_map.on)
 
     def _on_before(self, first: bool) -> list[bool | None]:
-        """By section, whether the map is on where it begins; None where that depends on the way there."""
+        """By section, whether the map is on where it starts; None where that depends on the way there."""
         ways: list[set[bool]] = [set() for _ in self._trace.sections]
         todo = [(0, first)] if ways else []
         while todo:
@@ -90,13 +90,13 @@ class Lifting:
         return [next(iter(way)) if len(way) == 1 else None if way else False for way in ways]
 
     def rise(self, number: int) -> float:
-        """What is added to Z where a section begins."""
+        """What is added to Z where a section starts."""
         if self._surface is None or not self._before[number]:
             return 0.0
         return float(self._surface.added(np.array([self._trace.sections[number].start]))[0])
 
     def section(self, number: int, rows: Rows) -> Lifted:
-        """The section's rows, raised; Unfollowed where that can not be."""
+        """The section's rows, raised; Unfollowed where that cannot be."""
         section = self._trace.sections[number]
         on = self._on[section.rows["state"]] if len(section.rows) else np.zeros(0, dtype=bool)
         start = np.array(section.start, dtype=np.float64)
@@ -362,7 +362,7 @@ def _sorted(k: Ints, t: Floats, more_k: Ints, more_t: Floats) -> tuple[Ints, Flo
 
 
 def _stretches(k: Ints, t: Floats) -> tuple[Ints, Floats, Floats]:
-    """From the sorted shares of each curve to what lies between them."""
+    """From the sorted shares of each curve to what is between them."""
     same = np.flatnonzero(k[1:] == k[:-1])
     return k[same], t[same], t[same + 1]
 

@@ -1,6 +1,6 @@
 """Pitch tables as the stream checker reads them: by its own arithmetic, from the Machine's numbers.
 
-A table pairs motor positions with the axis positions that were measured there; linear between points, beside them
+A table pairs motor positions with the axis positions that were measured there; linear between points, outside them
 the shift of the nearest end (Eding manual 2.3; docs/kinematics.md). Both columns rise, so the map has an inverse and
 keeps directions: turning points of a motor are those of its axis.
 """

@@ -26,7 +26,7 @@ _PATIENCE = 0.002
 
 
 def machine_number_problems(drives: Drives, override: float) -> Iterator[Why]:
-    """Numbers of the machine file that the checker can not reckon with."""
+    """Numbers of the machine file that the checker cannot reckon with."""
     for name, value, most in (
         ("interpolation time", drives.interpolation_time, 10.0),
         ("step pulse", drives.step_pulse, 1.0),
@@ -135,7 +135,7 @@ def motor_arrays(stream: StepStream, drives: Drives, grid: int, proof: Proof, *,
         slack[m], patience[m] = _backlash(drive, stream.tick_frequency)
         if slack[m]:
             proof.assume("stream-position", "assumed.backlash", motor.name, drive.backlash)
-            # Rounded up, the backlash may ask for a step more than the limit of the axis leaves for it.
+            # Rounded up, the backlash may need a step more than the limit of the axis leaves for it.
             more = int(abs(slack[m]) > abs(Fraction(drive.backlash) * motor.steps_per_unit))
             if drives.limits_programmed:
                 more = abs(int(slack[m]))

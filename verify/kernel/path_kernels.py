@@ -62,7 +62,7 @@ UNREACHED = 2.0
 
 @kernel(seconds_per_unit=2e-6, borrows=True)
 def axis_steps(at: float, m: int, knots: Floats, first_knot: Ints) -> float:
-    """Where the axis is, in its steps, when motor ``m`` is at ``at``: linear between knots, shifted beside them."""
+    """Where the axis is, in its steps, when motor ``m`` is at ``at``: linear between knots, shifted outside them."""
     a = first_knot[m]
     b = first_knot[m + 1]
     if a == b:
@@ -270,7 +270,7 @@ def add_piece(axis: Ints, spu: Floats, window: Window, ints: Ints, reals: Floats
 
 @kernel(seconds_per_unit=5e-6, borrows=True)
 def make_room(window: Window, walk: Walk) -> bool:
-    """Move the window to the arrays' beginning; False when it holds more than WINDOW pieces."""
+    """Move the window to the arrays' start; False when it holds more than WINDOW pieces."""
     head = walk.ints[HEAD]
     count = walk.ints[TAIL] - head
     if count > WINDOW:
@@ -291,7 +291,7 @@ def make_room(window: Window, walk: Walk) -> bool:
 
 @kernel(seconds_per_unit=5e-6, borrows=True)
 def from_rest(row: int, barrier: int, near: Floats, motors: Motors, window: Window, walk: Walk) -> None:
-    """Begin anew at the path point reached so far: the window holds that one point."""
+    """Start again at the path point reached so far: the window holds that one point."""
     ints = walk.ints
     ints[ROW] = row
     ints[PIECES] = 0

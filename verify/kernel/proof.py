@@ -48,7 +48,7 @@ class Problem(NamedTuple):
 
 
 class Remark(NamedTuple):
-    """What the verdict of a property stands on, or why it is open; property: "" for all."""
+    """What the verdict of a property depends on, or why it is open; property: "" for all."""
 
     property: str
     kind: str
@@ -75,7 +75,7 @@ class Proof:
         self.left_open[Remark(prop, kind, values)] = None
 
     def assume(self, prop: str, kind: str, *values: Any) -> None:
-        """Note what the verdict of a property stands on."""
+        """Note what the verdict of a property depends on."""
         self.assumed[Remark(prop, kind, values)] = None
 
     def verdict_of(self, prop: str) -> Verdict:

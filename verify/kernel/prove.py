@@ -42,10 +42,10 @@ SLOW_SLICE = 1 << 12
 """The same in plain Python."""
 
 TOLD = 20
-"""Problems of the form that are told."""
+"""Problems of the form that are reported."""
 
 MOVED_BY_OTHERS = (Wait.HOME, Wait.PROBE)
-"""Waits after which the machine may stand elsewhere than the section ended."""
+"""Waits after which the machine may be elsewhere than the section ended."""
 
 REFUTES = {
     walks.P_LEFT: ("stream-position", "walk.left"),

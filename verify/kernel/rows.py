@@ -1,4 +1,4 @@
-"""From the sections' rows to the arrays of the walk; what can not be followed is refused here, nothing is corrected."""
+"""From the sections' rows to the arrays of the walk; what cannot be followed is refused here, nothing is corrected."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def row_arrays(section: TraceSection, tables: Tables, proof: Proof) -> Rows | No
 
 
 def rows_of(sections: Sequence[TraceSection], tables: Tables, problems: list[tuple[int, Why]]) -> list[Rows] | None:
-    """Each section's rows for the kernel; None, with the problems of one section (row, what), when one can not be
+    """Each section's rows for the kernel; None, with the problems of one section (row, what), when one cannot be
     followed. Of several sections they have no places."""
     known, reach, idle = tables.known, tables.reach, tables.idle
     if not known[[section.start_frame for section in sections]].all():
@@ -164,7 +164,7 @@ def rows_of(sections: Sequence[TraceSection], tables: Tables, problems: list[tup
 def _arc_problems(
     center: Floats, start: Floats, to: Floats, turns: Floats, steps_per_mm: float
 ) -> tuple[int, Why] | None:
-    """The first arc that can not be followed, and why; positions in the arcs' plane."""
+    """The first arc that cannot be followed, and why; positions in the arcs' plane."""
     if not len(center):
         return None
     radii = np.hypot(*(start - center).T), np.hypot(*(to - center).T)

@@ -31,7 +31,7 @@ WITHOUT_A_ROW = frozenset({Wait.OPERATOR})
 """Edges that need no row of their own: dialogs and messages ask the operator too."""
 
 UNDECIDED = frozenset({Wait.BRANCH, Wait.UNKNOWN})
-"""Edges that a run can not choose from: what they depend on is not known to whoever sends steps."""
+"""Edges that a run cannot choose from: what they depend on is not known to whoever sends steps."""
 
 NOTES = frozenset({Op.OFFSET, Op.TOOL_OFFSET, Op.UNITS, Op.PLANE, Op.OVERRIDE, Op.PATH_MODE, Op.GUARD, Op.MESSAGE})
 """Rows that may follow a wait in its section: they take no time, move nothing and switch nothing."""
@@ -182,7 +182,7 @@ def _open_loop(
 
 
 def _height_map(trace: Trace, drives: Drives) -> Iterator[Problem]:
-    """A map that is on when the job begins, and that none of its moves follows."""
+    """A map that is on when the job starts, and that none of its moves follows."""
     if drives.height_map is None or not drives.height_map.on:
         return
     moves = False

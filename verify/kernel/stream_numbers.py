@@ -72,7 +72,7 @@ def _good_runs(runs: Columns) -> tuple[Floats, Floats, Floats, npt.NDArray[np.bo
 
 
 def _section_problem(stream: StepStream, place: int) -> Why:
-    """What is wrong with a section beside its runs' numbers; () for nothing."""
+    """What is wrong with a section apart from its runs' numbers; () for nothing."""
     s, motors = stream.sections[place], len(stream.motors)
     if len(s.start) != motors or len(s.runs) != motors:
         return "form.one-for-each-motor", s.number

@@ -25,7 +25,7 @@ DEGREES = 1e-6
 
 
 def problems(job: Job) -> Iterator[Why]:
-    """Why a mapping can not be followed."""
+    """Why a mapping cannot be followed."""
     trace, drives = job.trace, job.drives
     cylinder = drives.cylinder
     if cylinder is None:

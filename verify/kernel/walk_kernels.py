@@ -1,6 +1,6 @@
 """The walk over a section: all motors' steps in time order against the traced path.
 
-Where a motor has backlash, what is compared with the path is the axis behind it (``Backlash``): it stays while the
+Where a motor has backlash, what is compared with the path is the axis that it drives (``Backlash``): it stays while the
 motor is between the two flanks of its backlash, and goes with it at either. path_kernels.py keeps the points that the
 machine may be at.
 
@@ -125,7 +125,7 @@ def catch_up(t: int, n: Ints, backlash: Backlash, motors: Motors, window: Window
 
 @kernel(seconds_per_unit=5e-6, borrows=True)
 def drag(m: int, t: int, direction: int, before: int, n: Ints, backlash: Backlash, motors: Motors) -> bool:
-    """The axis behind motor ``m``, which made a step at ``t``; before: its last direction. True when the axis moved."""
+    """Move the axis of motor ``m``, which made a step at ``t``; before: its last direction. True when it moved."""
     slack = motors.slack[m]
     upwards = 1 if slack > 0 else -1
     last = before if before != 0 else upwards
@@ -199,7 +199,7 @@ def settle(
 def rest_problems(
     n: Ints, tick: int, row: int, begin: int, began: float, times: Times, walk: Walk, problems: Problems
 ) -> None:
-    """At rest at a known path point: steps back and forth that the path does not ask for; feed since the last rest."""
+    """At rest at a known path point: steps back and forth that the path does not need; feed since the last rest."""
     for m in range(n.shape[0]):
         if walk.turns[4, m] > walk.turns[1, m] + 1:
             # One more than the path: the last one, with which a motor goes back to the flank of a section's end.

@@ -33,7 +33,7 @@ class Rows(NamedTuple):
 class Motors(NamedTuple):
     """By motor; speed, acceleration: (3, motors) greatest counts in the windows of ``SPANS``; knots: of all pitch
     tables, motor m has those from first_knot[m] to first_knot[m + 1]; slack: steps from the flank at which the axis
-    comes from below to the other one, signed as they are counted; patience: ticks for which the axis may lag behind
+    comes from below to the other one, signed as they are counted; patience: ticks for which the axis may lag
     the path after the motor turned round."""
 
     axis: Ints
@@ -102,7 +102,7 @@ class Walk(NamedTuple):
 
 
 class Backlash(NamedTuple):
-    """By motor. at: the step of the axis behind the backlash; until: the tick up to which it may lag, or -1."""
+    """By motor. at: the step of the axis that it drives; until: the tick up to which it may lag, or -1."""
 
     at: Ints
     until: Ints

@@ -1,4 +1,4 @@
-"""Expressions as Eding text: brackets where the same tree needs them, and nowhere else.
+"""Expressions as Eding text: brackets where the same tree needs them, and in no other place.
 
 A tree is printed so that the frontend builds it again, ``Binary.doubtful`` included: a neighbour whose grouping the
 manual leaves open (``ir/dialects/eding/operators.py``) is bracketed, unless the node says that it was not.
@@ -17,7 +17,7 @@ _CURLY = "“”„"
 
 
 def inside(node: Expr, *, keep: bool = False) -> str:
-    """An expression as it stands between brackets.
+    """An expression as it is written between brackets.
 
     keep: it is part of a chain that groups in several ways, in which no bracket may go.
     """
@@ -56,7 +56,7 @@ def _operand(outer: Binary, node: Expr, bracketed: bool, keep: bool, *, is_right
 
 
 def _signed(node: Expr) -> str:
-    """What stands behind a sign: a number, or another sign, only in brackets."""
+    """What comes after a sign: a number, or another sign, only in brackets."""
     if isinstance(node, Variable) or (isinstance(node, Unary) and node.operator not in _SIGNS):
         return inside(node)
     if isinstance(node, Binary) and node.operator == "atan":
@@ -72,7 +72,7 @@ def variable(node: Variable) -> str:
 
 
 def value(node: Expr, *, grouped: bool = False) -> str:
-    """A value outside of brackets, behind a letter or ``=``; grouped: a number in brackets all the same."""
+    """A value outside of brackets, after a letter or ``=``; grouped: a number in brackets all the same."""
     if isinstance(node, Number) and not grouped:
         return inside(node)
     if isinstance(node, Variable):

@@ -48,7 +48,7 @@ INDENT = 2
 """Blanks for each block around a line."""
 
 Item = str | Block
-"""What a line holds beside its notes: a statement, or words and settings."""
+"""What a line holds apart from its notes: a statement, or words and settings."""
 
 _MESSAGE = re.compile(rb"[ \t]*m[ \t]*s[ \t]*g[ \t]*,", re.IGNORECASE)
 
@@ -66,7 +66,7 @@ class _Printer(LinePrinter):
     """Prints an Eding program."""
 
     def run(self) -> Iterator[bytes]:
-        """The file: its mark, statements and subprograms by their lines, what stands behind the last."""
+        """The file: its mark, statements and subprograms by their lines, what comes after the last."""
         if self.source.mark:
             yield UTF8_MARK
         nodes: list[Statement | Subprogram] = [node for node in self.program.body if self._is_here(node)]
@@ -174,7 +174,7 @@ def _with_message(
 
 
 def _composed(item: Item, notes: list[Note], indent: int, message: Message | None, deleted: bool) -> bytes:
-    """The text of a line, without its end. deleted: it begins with a slash, whatever its notes say."""
+    """The text of a line, without its end. deleted: it starts with a slash, whatever its notes say."""
     if not notes and not deleted and isinstance(item, str) and message is None:
         return (" " * indent + item).encode()
     encoding = next((text.decode() for _, _, kind, _, text in notes if kind == NoteKind.ENCODING), "utf-8")

@@ -1,6 +1,6 @@
 """The parts of a DIN line of McuWIN: one text for each word, label, jump, call, message of a statement.
 
-What a part looks like stands here once. How values, names and texts are written comes from the line that the statement
+What a part looks like is here once. How values, names and texts are written comes from the line that the statement
 was read from (``WrittenParts``: brackets and names stay as they are there), or from its tree (``TreeParts``).
 Source: McuWIN manual 3 to 6.
 """
@@ -39,7 +39,7 @@ _TARGET = re.compile(r"[Ll][ \t]*(?P<digits>[0-9]+)|(?P<name>[A-Za-z_][A-Za-z0-9
 _MODULE = re.compile(r"[a-z_][a-z0-9_]*", re.ASCII)
 _LIKE_A_LABEL = re.compile(r"l[0-9]", re.ASCII)
 AXIS_ASSIGNMENT = "the assignment to "
-"""How ``Unsupported.what`` begins for an assignment to a variable of an axis in a DIN line (3.26)."""
+"""How ``Unsupported.what`` starts for an assignment to a variable of an axis in a DIN line (3.26)."""
 
 
 class Parts(ABC):
@@ -83,11 +83,11 @@ class Parts(ABC):
 
     @abstractmethod
     def _behind(self, word: Word) -> str:
-        """What stands behind a letter: what is no literal, in brackets."""
+        """What comes after a letter: what is no literal, in brackets."""
 
     @abstractmethod
     def _parameter(self, word: Word) -> str:
-        """What stands behind a code."""
+        """What comes after a code."""
 
     @abstractmethod
     def _assignment(self, node: Block) -> str: ...
@@ -102,7 +102,7 @@ class Parts(ABC):
 
     @abstractmethod
     def _count(self, node: Call) -> str:
-        """How often, behind the letter O."""
+        """How often, after the letter O."""
 
     @abstractmethod
     def _message(self, node: Message) -> str: ...
@@ -172,14 +172,14 @@ class WrittenParts(Parts):
 
 
 class TreeParts(Parts):
-    """Of a tree, whatever it came from. old: codes have no brackets behind them (version 2.5.3.32)."""
+    """Of a tree, whatever it came from. old: codes have no brackets after them (version 2.5.3.32)."""
 
     def __init__(self, printer: Printer, *, old: bool) -> None:
         self.printer = printer
         self.old = old
 
     def words(self, words: Sequence[Word]) -> list[str]:
-        """A second value behind a code gets brackets when it has a sign: the first would go on with it."""
+        """A second value after a code gets brackets when it has a sign: the first would go on with it."""
         texts = super().words(words)
         for n, (before, word) in enumerate(pairwise(words), 1):
             if before.letter == word.letter == PARAMETER and texts[n][0] in "+-":

@@ -1,8 +1,8 @@
 """rw_SymPas as text: statements, declarations and whole sections.
 
 A tree that the frontend made is printed so that it makes the same again, ``Binary.doubtful`` included. Nothing here
-asks for the text that a tree came from: where procedures stand is told by the numbers of their variables.
-Source: McuWIN manual 5.7, 7, 8, 10 to 12; the grouping of operators stands in ``ir/dialects/mcuwin/pascal.py``.
+requires the text that a tree came from: the numbers of their variables say where procedures are.
+Source: McuWIN manual 5.7, 7, 8, 10 to 12; the grouping of operators is in ``ir/dialects/mcuwin/pascal.py``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from gproof.ir.program import (
 
 
 class Piece(NamedTuple):
-    """A part of a statement that stands on one line. depth: how many blocks are open there."""
+    """A part of a statement that is on one line. depth: how many blocks are open there."""
 
     depth: int
     text: str
@@ -69,7 +69,7 @@ class Printer(ExpressionPrinter):
         yield Piece(0, "end;")
 
     def _pieces(self, node: Statement, depth: int, end: str, *, again: bool = False) -> Iterator[Piece]:
-        """One statement; end: the semicolon behind it, or nothing; again: a declaration that goes on."""
+        """One statement; end: the semicolon after it, or nothing; again: a declaration that goes on."""
         if isinstance(node, If):
             yield from self._if(node, depth, end)
         elif isinstance(node, While | For):
@@ -147,7 +147,7 @@ class Printer(ExpressionPrinter):
             yield Piece(depth, end)
 
     def simple(self, node: Statement) -> str:
-        """A statement that has no others in it, without its semicolon; Unprintable for what stands in no rw_SymPas."""
+        """A statement that has no others in it, without its semicolon; Unprintable for what is in no rw_SymPas."""
         if isinstance(node, Block) and len(node.assigns) == 1 and not node.words:
             return self.assignment(node.assigns[0])
         if isinstance(node, Jump):
@@ -165,7 +165,7 @@ class Printer(ExpressionPrinter):
         raise Unprintable(node.what if isinstance(node, Unsupported) else f"a {type(node).__name__} in rw_SymPas")
 
     def _values(self, parts: Sequence[Expr]) -> Iterator[str]:
-        """Values of WRITE, apart by blanks: one that begins with a sign would go on with the one before it."""
+        """Values of WRITE, apart by blanks: one that starts with a sign would go on with the one before it."""
         for node in parts:
             text = self.expression(node)
             yield f"({text})" if text[0] in "+-" else text
@@ -192,7 +192,7 @@ def layout(pieces: Iterable[Piece], indent: str = "  ") -> list[str]:
 def first_number(node: Statement | Subprogram) -> int | None:
     """The lowest number of the variables that a procedure, or a declaration outside of them, makes; None without any.
 
-    Numbers are given in the order of the text, so that they tell where a procedure stands.
+    Numbers are given in the order of the text, so that they tell where a procedure is.
     """
     if isinstance(node, Declare):
         return node.number if node.kind == "var" else None
@@ -203,12 +203,12 @@ def first_number(node: Statement | Subprogram) -> int | None:
 
 
 def _is_single(body: Sequence[Statement]) -> bool:
-    """Whether a list can stand without begin and end: labels, and at most one statement behind them."""
+    """Whether a list can be written without begin and end: labels, and at most one statement after them."""
     return all(isinstance(node, Label) for node in body[:-1])
 
 
 def _takes_else(body: Sequence[Statement]) -> bool:
-    """Whether an else behind this statement would become a part of it."""
+    """Whether an else after this statement would become a part of it."""
     node = body[-1] if body else None
     if isinstance(node, If):
         if not node.otherwise and node.else_span is None:

@@ -1,7 +1,7 @@
 """Expressions of rw_SymPas as text, with the fewest brackets.
 
 A tree that the frontend made is printed so that it makes the same again, ``Binary.doubtful`` included.
-Source: McuWIN manual 7, 10 to 12; the grouping of operators stands in ``ir/dialects/mcuwin/pascal.py``.
+Source: McuWIN manual 7, 10 to 12; the grouping of operators is in ``ir/dialects/mcuwin/pascal.py``.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _SIGNS = {"neg": "-", "pos": "+"}
 
 
 class Style(NamedTuple):
-    """What the text depends on beside the tree: letters of the machine's axes, in its order; the unit of angles."""
+    """What the text depends on apart from the tree: letters of the machine's axes, in its order; the unit of angles."""
 
     axes: str = "XYZ"
     angle_unit: str = "radians"
@@ -76,7 +76,7 @@ class ExpressionPrinter:
         return self._sum(node)
 
     def grouped(self, node: Expr) -> str:
-        """An expression as a value behind a letter: in brackets unless it is a number or a name."""
+        """An expression as a value after a letter: in brackets unless it is a number or a name."""
         text = self.expression(node)
         plain = isinstance(node, Number | Variable | Constant | Named | Input)
         return text if plain else f"({text})"
@@ -89,7 +89,7 @@ class ExpressionPrinter:
         return self._bracket(node) if _level(node) == RELATION else self._sum(node)
 
     def _sum(self, node: Expr) -> str:
-        """From where a sign may stand, up to a comparison."""
+        """From where a sign may be, up to a comparison."""
         if isinstance(node, Unary) and node.operator in _SIGNS:
             return self._signed(node)
         if not isinstance(node, Binary) or _level(node) != SUM:
@@ -101,7 +101,7 @@ class ExpressionPrinter:
         return f"{left} {WRITTEN[node.operator]} {text}"
 
     def _signed(self, node: Unary) -> str:
-        """A sign before a whole product; a number behind it would become one with the sign."""
+        """A sign before a whole product; a number after it would become one with the sign."""
         inner, minus = node.operand, node.operator == "neg"
         if _level(inner) >= PRODUCT and not self._wrong(inner, minus):
             text = self._product(inner, minus)
@@ -120,7 +120,7 @@ class ExpressionPrinter:
         return self._product(node, False, bare=_negative(leaf) and all(matters))
 
     def _product(self, node: Expr, signed: bool, *, bare: bool = False, wrapped: bool = False) -> str:
-        """Factors; signed: behind a minus; bare: its first factor is a number with a sign, without brackets;
+        """Factors; signed: after a minus; bare: its first factor is a number with a sign, without brackets;
         wrapped: its first factor is a number that must not become one with the sign before it."""
         if not isinstance(node, Binary) or _level(node) != PRODUCT:
             if wrapped:

@@ -28,7 +28,7 @@ _WORD = re.compile(
 )
 _COMMON = re.compile(r"c[di][0-9]+", re.IGNORECASE | re.ASCII)
 _VALUES = frozenset(("end", "true", "false", "integer", "double", "boolean"))
-"""Words of the language behind which a sign stands between two values."""
+"""Words of the language after which a sign is between two values."""
 
 _TEXTS = frozenset(("axis", "name", "number"))
 
@@ -67,7 +67,7 @@ def words_of(text: str, at: int = 0, *, opened: bool = False) -> Iterator[Pascal
 
 
 def leaves_open(words: Sequence[PascalWord]) -> bool:
-    """Whether a comment is open behind a line."""
+    """Whether a comment is open after a line."""
     last = words[-1] if words else None
     return last is not None and last.kind == "comment" and last.text[:2] != "//" and last.text[-1:] != "}"
 
@@ -89,7 +89,7 @@ def joined_words(words: Sequence[PascalWord], spelling: Spelling) -> str:
 
 
 def _is_apart(before: PascalWord, word: PascalWord) -> bool:
-    """Whether a blank stands between two words."""
+    """Whether a blank is between two words."""
     if "other" in (before.kind, word.kind) or {before.kind, word.kind} <= _TEXTS:
         return word.begin > before.end
     if word.text in (")", "]", ",", ";", ":"):
@@ -100,14 +100,14 @@ def _is_apart(before: PascalWord, word: PascalWord) -> bool:
 
 
 def _is_glued(before: PascalWord | None, word: PascalWord | None) -> bool:
-    """Whether two words stand together that no language has so: whatever they are, they stay."""
+    """Whether two words are together that no language has so: whatever they are, they stay."""
     if before is None or word is None or word.begin > before.end:
         return False
     return {before.kind, word.kind} <= _TEXTS
 
 
 def _is_unary(before: PascalWord | None) -> bool:
-    """Whether a sign behind this word stands before a value."""
+    """Whether a sign after this word is before a value."""
     if before is None:
         return True
     if before.kind == "op":
@@ -139,7 +139,7 @@ def _spelled(word: PascalWord, after: PascalWord | None, spelling: Spelling) -> 
 
 
 class SectionLayout:
-    """Indents the lines of a section: two blanks for each block around them, for declarations behind their word, and
+    """Indents the lines of a section: two blanks for each block around them, for declarations after their word, and
     for what goes on with a statement of the line before."""
 
     def __init__(self, base: int) -> None:
@@ -149,7 +149,7 @@ class SectionLayout:
         self.last: PascalWord | None = None
 
     def indent(self, words: Sequence[PascalWord]) -> int:
-        """Blocks before a line of these words, which are no comments; they count for the lines behind it."""
+        """Blocks before a line of these words, which are no comments; they count for the lines after it."""
         if not words:
             return self.base + self.depth + self.group
         first = words[0]
@@ -179,7 +179,7 @@ def _declares(words: Sequence[PascalWord]) -> bool:
 
 
 def block_change(words: Sequence[PascalWord]) -> tuple[int, int]:
-    """Of a ``$`` line, from behind its sign: (blocks that it closes first, blocks that are open behind it)."""
+    """Of a ``$`` line, from after its sign: (blocks that it closes first, blocks that are open after it)."""
     lows = [word.low for word in words if word.text != ";"]
     closes = bool(lows) and lows[0] in ("end", "until")
     opens = bool(lows) and (lows[-1] == "begin" or lows == ["repeat"])

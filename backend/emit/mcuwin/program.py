@@ -92,7 +92,7 @@ class _Printer(LinePrinter):
             yield from _flat(sub.body)
 
     def run(self) -> Iterator[bytes]:
-        """The file: its mark, its lines, what stands behind the last."""
+        """The file: its mark, its lines, what comes after the last."""
         if self.source.mark:
             yield UTF8_MARK
         line: list[Statement] = []
@@ -170,7 +170,7 @@ class _Printer(LinePrinter):
         return written
 
     def as_written(self, line: int, length: int) -> bytes:
-        """As it stands in the source, without blanks at its end."""
+        """As it is in the source, without blanks at its end."""
         return super().as_written(line, length).rstrip(b" \t")
 
     # rw_SymPas
@@ -207,7 +207,7 @@ class _Printer(LinePrinter):
         return body.encode(encoding)
 
     def _dollar(self, line: int, text: str, at: int, digits: str | None, encoding: str) -> bytes:
-        """A line whose ``$`` stands at ``at``; digits: of its number."""
+        """A line whose ``$`` is at ``at``; digits: of its number."""
         words = list(words_of(text, at))
         code = [word for word in words if word.kind != "comment"]
         closes, opens = block_change([word for word in code if word.text != "$"])
@@ -226,7 +226,7 @@ class _Printer(LinePrinter):
         return self._with_comments(head, words, text, encoding).encode(encoding)
 
     def _with_comments(self, head: str, words: Sequence[PascalWord], text: str, encoding: str) -> str:
-        """Words and comments in their order; a comment that stands apart keeps its column."""
+        """Words and comments in their order; a comment that is set apart keeps its column."""
         out, run, has_code = head, [], False
         for word in [*words, None]:
             if word is not None and word.kind != "comment":
@@ -270,13 +270,13 @@ def _encoding(notes: Sequence[Note]) -> str:
 
 
 def _column(before: bytes) -> int:
-    """Of a comment behind these bytes, when more than one blank sets it apart, else 0; as in NOTE."""
+    """Of a comment after these bytes, when more than one blank sets it apart, else 0; as in NOTE."""
     column = len(before.expandtabs(8))
     return column if column - len(before.rstrip(b" \t").expandtabs(8)) > 1 else 0
 
 
 def _composed(indent: str, items: Sequence[str], notes: Sequence[Note], encoding: str) -> bytes:
-    """The parts of a line with its notes among them, each behind as many parts as it had before it."""
+    """The parts of a line with its notes among them, each after as many parts as it had before it."""
     out, place = b"", 0
     for _, at, kind, column, note in notes:
         if kind == NoteKind.ENCODING:

@@ -1,7 +1,7 @@
 """A Program as McuWIN text, from its statements alone: what it came from is no matter.
 
 Each statement has its own line, ``if`` and loops between lines of words are ``$`` lines with ``begin`` and ``$end`` as
-the manual writes them (7, 8), declared procedures stand where the numbers of their variables say, modules behind ``%``.
+the manual writes them (7, 8), declared procedures are where the numbers of their variables say, modules after ``%``.
 What a line without a code goes on with is followed as the controller does (3.1); where the Program says otherwise, the
 code is written, or there is a refusal.
 """
@@ -75,7 +75,7 @@ class _Tree:
     """Prints with ``out`` as the lines that are not handed over yet.
 
     other: the ``$`` form of the last of them, where it has one; pascal: inside a section; implied: which no $DINEND
-    opened; marked: a percent sign stands above; says: what is no declaration does; name: of the first module.
+    opened; marked: a percent sign is above; says: what is no declaration does; name: of the first module.
     """
 
     def __init__(self, program: Program, din: McuWinSettings, axes: str, *, includes: bool) -> None:
@@ -147,7 +147,7 @@ class _Tree:
         return "".join(f"{line}\n" for line in done).encode()
 
     def _put(self, text: str, other: str = "", *, numbered: bool = True) -> None:
-        """A line; other: its form behind ``$``; numbered: it is one of words."""
+        """A line; other: its form after ``$``; numbered: it is one of words."""
         if self.din.line_numbers and numbered:
             self.number += LINE_NUMBER_STEP
             text = f"N{self.number} {text}"
@@ -177,7 +177,7 @@ class _Tree:
             yield self._taken()
 
     def _before(self, body: Sequence[Statement], index: int) -> None:
-        """What has to stand before a statement: procedures, and the percent sign that ends the declarations."""
+        """What must be before a statement: procedures, and the percent sign that ends the declarations."""
         node = body[index]
         number = first_number(node) if isinstance(node, Declare) else None
         if self.waiting and isinstance(node, Declare) and number is not None:
@@ -194,7 +194,7 @@ class _Tree:
         self.says = True
 
     def _procedures(self, before: int | None) -> None:
-        """Those that stand before the variable of that number; all, when there is none."""
+        """Those that are before the variable of that number; all, when there is none."""
         numbers = [first_number(sub) for sub in self.waiting]
         count = len(numbers)
         if before is not None:
@@ -299,7 +299,7 @@ class _Tree:
                 self.persistence.doubt()
 
     def _is_pascal(self, node: Statement) -> bool:
-        """Whether a statement stands behind ``$``, since lines of words have none of its kind."""
+        """Whether a statement is after ``$``, since lines of words have none of its kind."""
         if isinstance(node, Message):
             return any(isinstance(part, Text) and '"' in part.value for part in node.parts)
         if isinstance(node, Label | Jump):
@@ -330,7 +330,7 @@ class _Tree:
         self.persistence.distances_of(words)
 
     def _agree(self, wanted: str) -> None:
-        """Where nobody knows whether a line goes on, it does not begin to do so: the line before it gets a ``$``."""
+        """Where it is unknown whether a line goes on, it does not start to do so: the line before it gets a ``$``."""
         if wanted != OPEN or self.persistence.state in ("", OPEN):
             return
         if self.other:

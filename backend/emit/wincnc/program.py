@@ -36,7 +36,7 @@ from gproof.ir.program import (
 )
 
 PLAIN_LETTERS = "XYZWUVABCIJKRFS"
-"""Letters with which a line without a command may begin."""
+"""Letters with which a line without a command may start."""
 
 
 class Unprintable(Exception):
@@ -46,7 +46,7 @@ class Unprintable(Exception):
 def emit(program: Program, lexical: Lexical, *, same_length: bool = False) -> Iterator[bytes]:
     """The text of the program's own file, the job or CNC.MAC, piece by piece, each of whole lines.
 
-    lexical: how the machine reads lines: one that begins with a sign of skipchars= makes others be left out. The
+    lexical: how the machine reads lines: one that starts with a sign of skipchars= makes others be left out. The
     percent sign is taken for one, as in the manual's example. same_length: a definition whose command would have
     another length keeps it as written: how long the lines of jobs are when they are replaced hangs on it.
     The job must have been read without mistakes: a line with one is not in the Program.
@@ -67,7 +67,7 @@ class _Printer(LinePrinter):
     has_mistakes = False
 
     def run(self) -> Iterator[bytes]:
-        """The file: its mark, its lines, what stands behind the last."""
+        """The file: its mark, its lines, what comes after the last."""
         if self.source.mark:
             yield UTF8_MARK
         yield from self._body(self.program.body)
@@ -85,9 +85,9 @@ class _Printer(LinePrinter):
                 yield from self.table(node)
             return
         if node.span.file != self.source.name or not node.span.line:
-            return  # what a setting of the machine runs before and behind the job
+            return  # what a setting of the machine runs before and after the job
         if isinstance(node, If):
-            # What runs when the condition does not hold stands among the lines of what runs when it does.
+            # What runs when the condition does not hold is among the lines of what runs when it does.
             yield from self._line(node.span, self._text(node.head, node.span))
             yield from self._body(node.then)
             return
@@ -177,7 +177,7 @@ class _Printer(LinePrinter):
         yield out + self.newline
 
     def as_written(self, line: int, length: int) -> bytes:
-        """As it stands in the source, without blanks at its end where it is not too long."""
+        """As it is in the source, without blanks at its end where it is not too long."""
         text = super().as_written(line, length)
         return text.rstrip(b" \t") if len(text) <= self.limit else text
 
@@ -192,7 +192,7 @@ class _Printer(LinePrinter):
 
 
 def _composed(text: str, notes: list[Note], *, tight: bool) -> bytes:
-    """The text of a line, with its comments behind it."""
+    """The text of a line, with its comments after it."""
     if not notes:
         return text.encode()
     encoding = next((note.decode() for _, _, kind, _, note in notes if kind == NoteKind.ENCODING), "utf-8")
@@ -216,7 +216,7 @@ def _reads_otherwise(out: bytes, notes: list[Note]) -> bool:
 
 
 def _begins_with_name(block: Block) -> bool:
-    """Whether the line begins with the name of a macro: a text that stands before all words."""
+    """Whether the line starts with the name of a macro: a text that is before all words."""
     name = next((text for letter, text in block.texts if not letter), None)
     return name is not None and all(name.span.column < word.span.column for word in block.words)
 
@@ -242,7 +242,7 @@ def _word(word: Word) -> str:
 
 
 def _inside(value: Expr) -> str:
-    """What stands between braces."""
+    """What is between braces."""
     if isinstance(value, Binary) and isinstance(value.right, Number):
         return f"{_operand(value.left)}{value.operator}{_operand(value.right)}"
     return _operand(value)
