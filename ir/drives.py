@@ -1,7 +1,7 @@
 """Drives: what proving a stream needs of a Machine and a Setup, and nothing else of them.
 
 The trusted base reads this, not the Machine: motors with all that bounds them, the board's and the controller's times,
-where the job begins, a height map, a mapping onto a cylinder. ``ir/machine_drives.py`` takes them out. Lengths are
+where the job starts, a height map, a mapping onto a cylinder. ``ir/machine_drives.py`` takes them out. Lengths are
 millimetres, angles degrees, times seconds; ``None`` is "not stated", never zero.
 """
 
@@ -74,7 +74,7 @@ class HeightMap:
 
     x, y: machine position of the first point; size: mm between points; heights: rows by rising Y, each by rising X,
     mm. What is added to Z is the height, between points bilinear, less that of the first point; outside the
-    measured range nothing. name: of the file it came from; on: compensation is on when the job begins.
+    measured range nothing. name: of the file it came from; on: compensation is on when the job starts.
     """
 
     x: float

@@ -221,7 +221,7 @@ class Finding:
 
 
 class Refusal(Exception):
-    """A stage can not go on: carries the finding that says why."""
+    """A stage cannot go on: carries the finding that says why."""
 
     def __init__(self, finding: Finding) -> None:
         super().__init__(finding.message)
@@ -233,7 +233,7 @@ class FollowedRefusal(Refusal):
 
 
 class FollowsRefusal(Refusal):
-    """A line can not be followed because an earlier one was refused, and that is reported there: one cause, once."""
+    """A line cannot be followed because an earlier one was refused, and that is reported there: one cause, once."""
 
 
 _NUMBER = re.compile(

@@ -7,8 +7,8 @@ spent once plain Python has lost as much, in this process and earlier ones toget
 for the compiler on a first job that is done sooner without it, nor for ever without it.
 
 Rules for kernel bodies: + - * / and ``math`` functions only, no division by zero, int64 and float64 arithmetic. Other
-kernels may be called and constants read, of any file, by a name of their own (``from ... import ...``): what stands
-behind the dot of a module, or in a function within the body, is not seen when the compiled copy is made and named.
+kernels may be called and constants read, of any file, by a name of their own (``from ... import ...``): what is
+after the dot of a module, or in a function within the body, is not seen when the compiled copy is made and named.
 
 ``GPROOF_KERNELS=python`` or ``numba`` forces one mode; ``GPROOF_CACHE_DIR`` moves the compile cache, which is used
 only where nobody else can write (``private_folder``).

@@ -188,7 +188,7 @@ class Spindle:
     offset without saying which way it counts; pwm: (rpm, percent of its output) pairs of its table (2.4).
     spin_up: seconds that it needs to its speed, whatever the controller waits (``ramp_time``); output: channel that
     runs it while it is on, where no code of the language does; None: not stated. oriented_stop: it can stop in one
-    orientation, which back boring needs (Eding manual 3.4.21.10); False: it can not, or nobody stated it.
+    orientation, which back boring needs (Eding manual 3.4.21.10); False: it cannot, or nobody stated it.
     """
 
     number: int
@@ -267,17 +267,17 @@ TOUCHES = {
     "stored": "jobs that move to stored positions",
     "drills": "jobs that lower drills of a bank",
 }
-"""Which jobs a setting that gproof can not follow touches."""
+"""Which jobs a setting that gproof cannot follow touches."""
 
 
 @record(frozen=True, slots=True)
 class Unmodelled:
-    """A setting that is on and that gproof can not follow.
+    """A setting that is on and that gproof cannot follow.
 
     what: as the file has it; why: what is not known of it, "" where the setting says all; axis: the only one whose
-    place rests on it, so that a job that does not move it may be judged, "" for all; file, line: where it stands;
+    place rests on it, so that a job that does not move it may be judged, "" for all; file, line: where it is;
     stated_by: the keys of gproof's own machine file that settle it when they are there, with blanks between;
-    touches: the jobs whose path rests on it, a name of ``TOUCHES``, with a number behind a dot where there are several
+    touches: the jobs whose path rests on it, a name of ``TOUCHES``, with a number after a dot where there are several
     of a kind; "" for all, or for those that move ``axis``.
     """
 
@@ -295,7 +295,7 @@ class Unmodelled:
         return f"{self.what} ({self.why})" if self.why else self.what
 
     def opens(self, name: str) -> bool:
-        """Whether a property can not be proved of a job that it touches; the arcs' radii rest on no motor."""
+        """Whether a property cannot be proved of a job that it touches; the arcs' radii rest on no motor."""
         if self.touches == "limits":
             return name == "limits"
         return name != "language" and not (name == "arcs" and (self.axis or self.touches in ("moves", "homing")))
@@ -309,7 +309,7 @@ class Machine:
     unit: mm in one length unit of the controller's own numbers (25.4 for a machine set up in inches);
     kinematics: ``trivial``, or the name of another that gproof does not follow; z_down_tool_length: length of the
     tool that touches the table with Z all the way down, mm;
-    not_modelled: settings that are on and that gproof can not follow; unknown_keys: (file, key);
+    not_modelled: settings that are on and that gproof cannot follow; unknown_keys: (file, key);
     kept: (name, text) of settings that are known and have no bearing on where the axes go. spindle_started: whether
     programs start a spindle on it; False: it has none (knife, torch, laser, nozzle), or one that is switched by hand;
     None: not stated. tool_change_clearance: machine position of Z that has to be reached before a tool is changed,

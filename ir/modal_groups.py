@@ -154,7 +154,7 @@ STATES: dict[F, tuple[str, ...]] = {
     F.HEAD: (HEAD,), F.INTERPOLATION_AXES: (AXES,),
     F.HOME: _NOTHING, F.TOOL_CHANGE: _NOTHING, F.TOOL_OFFSET_ON: _NOTHING, F.RETURN_HOME: _NOTHING,
 }  # fmt: skip
-"""By function the groups that are known again behind it, whatever they were before; of one that takes axis words only
+"""By function the groups that are known again after it, whatever they were before; of one that takes axis words only
 where it has none (``WITH_WORDS``: with them). With an empty row: what it does rests on no group that words count in."""
 WITH_WORDS = frozenset((F.INTERPOLATION_AXES,))
 

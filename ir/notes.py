@@ -1,8 +1,8 @@
-"""Notes: what stands in the lines of a file beside the program: comments, line numbers, marks.
+"""Notes: what is in the lines of a file beside the program: comments, line numbers, marks.
 
 Nothing here changes what a program does; a printer needs it to give a file back. Texts are without the delimiters
 of their dialect: a comment in the middle of a line is a ``COMMENT`` whether a controller encloses it in ``( )`` or
-``[ ]``, one that goes on to the end of the line a ``REMARK`` whether it begins with ``;`` or a quote. Where a dialect
+``[ ]``, one that goes on to the end of the line a ``REMARK`` whether it starts with ``;`` or a quote. Where a dialect
 has several signs for the same thing, or lets the closing one be left out, comments are ``SIGNED``: with their signs.
 A line without notes and without statements is blank.
 """
@@ -23,10 +23,10 @@ class NoteKind(enum.IntEnum):
 
     LINE_NUMBER: the digits, as written; DELETE: the block delete sign of the line (no text); MARK: the sign that
     some controllers have at the start or end of a program, alone on its line, whose text is the name
-    behind it where the language has such names; COMMENT: enclosed; REMARK: to the end of the line; ENCODING: of the
+    after it where the language has such names; COMMENT: enclosed; REMARK: to the end of the line; ENCODING: of the
     line's bytes, where it is not UTF-8 and the line has texts; SIGNED: a comment with the signs that begin and end it;
     LEFT_OUT: a whole line that the controller, or gproof, does not read; PASCAL: the line has text of the language that
-    stands beside the blocks of the controller (no text).
+    is beside the blocks of the controller (no text).
     """
 
     LINE_NUMBER = 1
@@ -87,7 +87,7 @@ NO_NOTES = Notes(Columns(NOTE), b"")
 
 
 def joined(parts: list[Notes]) -> Notes:
-    """All parts behind one another; the only part itself when there is one."""
+    """All parts after one another; the only part itself when there is one."""
     if not parts:
         return NO_NOTES
     if len(parts) == 1:

@@ -2,7 +2,7 @@
 
 Compiled kernels run without the interpreter's lock. What is done here depends on its arguments alone and is taken over
 in the order of the job, so that the answer is the same byte for byte with one processor and with several; a mistake
-arises where its result is asked for. Short jobs start no thread.
+arises where its result is used. Short jobs start no thread.
 """
 
 from __future__ import annotations

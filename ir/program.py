@@ -1,7 +1,7 @@
 """Program: a job as structured, dialect-neutral statements with source spans.
 
-What its statements are stands in ``ir/statements.py``; whoever takes a Program takes them from here. What a code means
-stands in ``Program.rules``: a table that the dialect gives as data, so that the executor never asks where a program
+What its statements are is in ``ir/statements.py``; whoever takes a Program takes them from here. What a code means
+is in ``Program.rules``: a table that the dialect gives as data, so that the executor never asks where a program
 came from.
 """
 
@@ -128,7 +128,7 @@ class Subprogram:
     as written.
 
     is_file: it is a whole file, which local coordinates do not outlive (``LanguageRules.local_in_files``).
-    parameters: (name, type as in TYPES, number of the variable that holds it) of a procedure. is_module: it stands in
+    parameters: (name, type as in TYPES, number of the variable that holds it) of a procedure. is_module: it is in
     the source under its name; another one is a procedure, or a label within a module, with what follows that.
     """
 
@@ -146,8 +146,8 @@ class Subprogram:
 class SourceFile:
     """A file as read. name: as the user gave it; sha256: of ``data``; data: its bytes (may be a memory map).
 
-    line_count: its lines; newline: what ends the first of them; mark: it begins with a UTF-8 mark;
-    notes: what stands in its lines beside the program, when it was loaded (``Program.load_notes``), else None.
+    line_count: its lines; newline: what ends the first of them; mark: it starts with a UTF-8 mark;
+    notes: what is in its lines beside the program, when it was loaded (``Program.load_notes``), else None.
     """
 
     name: str
@@ -167,7 +167,7 @@ Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
 class SpindleOutputs:
     """Channels of outputs that run a spindle together, in either direction, as a shop's own definitions have it.
 
-    They are on behind the definition of its start (M3; backward: M4) and off behind that of its stop (M5). coolant:
+    They are on after the definition of its start (M3; backward: M4) and off after that of its stop (M5). coolant:
     channels of outputs that M7 or M8 switches on and M9 off.
     """
 
@@ -229,7 +229,7 @@ class Program:
     def load_notes(self, file: int, begin: int, line: int, limit: int) -> tuple[Notes, int, int]:
         """Notes of a file from byte ``begin`` (which starts line ``line``), of at most about ``limit`` bytes.
 
-        Returns (notes, byte and line where the next call goes on); begin with byte 0 and line 1, end behind line
+        Returns (notes, byte and line where the next call goes on); begin with byte 0 and line 1, end after line
         ``line_count``. They are read when somebody asks, so that a program which is only executed costs nothing.
         """
         source = self.files[file]

@@ -11,7 +11,7 @@ import enum
 from gproof.ir.record import field, record
 
 LINE_LETTERS = "XYZWUVABCIJKRFSPHTN"
-"""Words that a line without a command may begin with, where a line has one command; N may number it."""
+"""Words that a line without a command may start with, where a line has one command; N may number it."""
 
 
 def only_a_macro(name: str) -> str:
@@ -241,7 +241,7 @@ class CodeRule:
     source: section of the manual; open: of a code that is not modelled, what the manual leaves open.
     Where a line has one command: takes: letters of the words it takes beside those of the axes, needs: those it must
     have; companion: it may stand beside another command; device: what must be set up for it; has_text: its line has a
-    name or another text behind it; ranges: (letter, least, most) of words."""
+    name or another text after it; ranges: (letter, least, most) of words."""
 
     letter: str
     tenths: int
@@ -341,7 +341,7 @@ UNARY = (
     "tan", "not", "rsin", "rcos", "rtan", "rasin", "racos", "ratan", "sqr", "frac", "bnot", "odd", "bool",
     "trunc", "nearest",
 )  # fmt: skip
-"""Unary operators; angles in degrees, of those that begin with ``r`` (but ``round``) in radians. ``int`` and ``trunc``
+"""Unary operators; angles in degrees, of those that start with ``r`` (but ``round``) in radians. ``int`` and ``trunc``
 drop the fraction (the latter gives a whole number where numbers have types), ``nearest`` rounds, and of a half it is
 not known which way; ``sqr`` is the square, ``bnot`` turns the bits of a whole number round, ``bool`` is 1 for all but
 0."""

@@ -35,8 +35,8 @@ class HomingLine:
     """Axes that home together (one g28move= line of WinCNC; the lines in order are the order of homing).
 
     distances: (column, mm or degrees) that each axis goes from its switch at the end: above 0 from a low one, below 0
-    from a high one; retreat: mm off the switch behind the first contact; feed, second_feed: mm/s towards it; longest:
-    mm that an axis moves at most; alternate: the alternate switches count; singly: one axis behind the other.
+    from a high one; retreat: mm off the switch after the first contact; feed, second_feed: mm/s towards it; longest:
+    mm that an axis moves at most; alternate: the alternate switches count; singly: one axis after the other.
     """
 
     distances: tuple[tuple[str, float], ...] = ()

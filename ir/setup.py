@@ -15,7 +15,7 @@ _STATED = ("start", "work", "g92", "tool", "head")
 
 @record(frozen=True, slots=True, kw_only=True)
 class InForce:
-    """A rotation or a scaling of X and Y that is in force when the job begins (Eding manual 3.4.13, 3.4.18).
+    """A rotation or a scaling of X and Y that is in force when the job starts (Eding manual 3.4.13, 3.4.18).
 
     angle: degrees, counter-clockwise, 0 for none (the zeroing menu leaves one, 2.2.4.3); factor_x, factor_y: 1 for no
     scaling; None: not stated; x, y: the point that both are about, mm in coordinates of the active system.
@@ -56,7 +56,7 @@ class Setup:
     selected, by (number, axis); transform: of X and Y, None where nothing is stated.
     positions: stored places by letter and number (``P4``); inputs, outputs, virtual: states of channels, 0 or 1;
     answers: 1 yes, 0 no, to the questions of the job in their order.
-    measures: of tools, in force when the job begins, by axis (WinCNC M37): the machine position at which its
+    measures: of tools, in force when the job starts, by axis (WinCNC M37): the machine position at which its
     workspace is 0; contacts: where a move may end that a switch ends, machine positions by axis.
     workpiece: stock, part and fixtures, None where nothing is stated; keep_out: zones that the tool must not enter.
     """

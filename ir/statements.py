@@ -28,7 +28,7 @@ FLAG_POINT = 1
 FLAG_DELETE = 2
 """The line began with a block delete slash."""
 FLAG_BARE = 4
-"""The letter stands without a number, which counts as 0."""
+"""The letter is without a number, which counts as 0."""
 
 
 @record(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class Constant:
 class Named:
     """A variable of the controller with a name, in upper case, or the argument of the call with that letter.
 
-    What a name means stands in ``LanguageRules.variables``; a single letter is an argument of the subprogram.
+    What a name means is in ``LanguageRules.variables``; a single letter is an argument of the subprogram.
     """
 
     name: str
@@ -131,7 +131,7 @@ PARAMETER = "@"
 class Word:
     """A letter and its value, in a block that is not plain.
 
-    bare: the letter stands without a number, which counts as 0; braced: the value is a number in braces.
+    bare: the letter is without a number, which counts as 0; braced: the value is a number in braces.
     """
 
     letter: str
@@ -223,7 +223,7 @@ class If:
 
     span: the line that opens it; else_span: the line that divides it, None without one (an empty ``otherwise`` may
     have one); end_span: the line that closes it. The latter two are None where nobody wrote them.
-    head: the line that asks, where the language has one: the statement behind it is what runs or is passed over.
+    head: the line that asks, where the language has one: the statement after it is what runs or is passed over.
     """
 
     condition: Expr
@@ -254,7 +254,7 @@ class Array:
 class Replaced:
     """A line whose command the machine's macro file replaces (WinCNC, CNC.MAC).
 
-    written: the line as it stands, without comments; body: what it stands for, nothing for a code that is switched
+    written: the line as it is, without comments; body: what it stands for, nothing for a code that is switched
     off, at the place of the line. line: see Call; None for a line that makes others be left out. length: the most
     characters that the line has while it is replaced; it hangs on blanks, and is no part of the value.
     """
@@ -271,9 +271,9 @@ class Replaced:
 class Definition:
     """A command that a machine's macro file defines, replaces or switches off (WinCNC, CNC.MAC).
 
-    It stands in a file of its own and does nothing when it runs: jobs have what it makes of their lines (``Replaced``).
+    It is in a file of its own and does nothing when it runs: jobs have what it makes of their lines (``Replaced``).
     name: what lines are compared with, in upper case, a code without leading zeros; label: the name as written;
-    written: the command as it stands, without comments, "" for a code that is switched off. line: the command's words
+    written: the command as it is, without comments, "" for a code that is switched off. line: the command's words
     and texts, to be printed again (see Call); None for one that only the line of a job completes.
     """
 
@@ -330,7 +330,7 @@ class Label:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Jump:
-    """Goes on behind the label of that name: in the same list of statements or in one around it, never in another
+    """Goes on after the label of that name: in the same list of statements or in one around it, never in another
     subprogram."""
 
     name: str
@@ -409,12 +409,12 @@ DIALOG_ANSWER = 5398
 @record(frozen=True, slots=True, kw_only=True)
 class Message:
     """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``, ``write``
-    and ``writeln`` (a line of text is still open behind it, or ends); a question
+    and ``writeln`` (a line of text is still open after it, or ends); a question
     with a button or two: ``ok``, ``abort`` and ``continue`` (yes aborts, yes goes on), ``run_next`` and ``skip_next``
     (the head of an If).
 
     question: its number among those of the program, 0 for what is none. in_comment: written as a comment of its line,
-    where its text stands among the notes too. deleted: the line began with a slash. line: see Call. formats: such as
+    where its text is among the notes too. deleted: the line began with a slash. line: see Call. formats: such as
     ``%d`` among its parts, which only shape its text.
     """
 
@@ -524,7 +524,7 @@ def parts_of(node: Statement) -> tuple[tuple[Statement, ...], ...]:
 
 
 def lost_jumps(body: tuple[Statement, ...], around: frozenset[str] = frozenset()) -> Iterator[Jump]:
-    """Jumps whose label stands neither in their list of statements nor in one around it; around: labels of those."""
+    """Jumps whose label is neither in their list of statements nor in one around it; around: labels of those."""
     inner = around.union(node.name for node in body if isinstance(node, Label))
     for node in body:
         if isinstance(node, Jump) and node.name not in inner:

@@ -31,7 +31,7 @@ class Unknown:
 
     @property
     def bounded(self) -> bool:
-        """True when it lies between two finite numbers."""
+        """True when it is between two finite numbers."""
         return math.isfinite(self.low) and math.isfinite(self.high)
 
 
@@ -47,7 +47,7 @@ def not_known(span: Span, word: str, value: Unknown, hint: str = "") -> Finding:
 
 
 def behind_loop(name: str) -> str:
-    """The cause of what the variable of a counted loop holds behind it."""
+    """The cause of what the variable of a counted loop holds after it."""
     return f"{name} after its loop"
 
 
@@ -118,7 +118,7 @@ ORIGIN = Position(0.0)
 
 @record(frozen=True, slots=True)
 class Place:
-    """Where a coordinate that is not known lies: as a word of its axis it sends the axis there, as long as words count
+    """Where a coordinate that is not known is: as a word of its axis it sends the axis there, as long as words count
     from the same origin.
 
     axis: column; at: machine place; origin: what was taken from it; scale: mm or degrees in one unit of the number.
@@ -160,7 +160,7 @@ NO_AXES = frozenset[int]()
 
 
 def _shifted(form: Affine, axis: int) -> Affine:
-    """A form of an axis that was never homed: wherever the controller shows it, it stands elsewhere."""
+    """A form of an axis that was never homed: wherever the controller shows it, it is elsewhere."""
     return form if form == UNKNOWN else add_forms(form, ((f"{UNHOMED}.{AXIS_NAMES[axis]}", 1),))
 
 
@@ -199,7 +199,7 @@ AXIS_INDEX = {name.upper(): i for i, name in enumerate(AXIS_NAMES)}
 
 
 def beyond(letter: str, value: float) -> str:
-    """What to say of a word's number that no machine has; letter: ``@`` for one that stands without a letter."""
+    """What to say of a word's number that no machine has; letter: ``@`` for one that is without a letter."""
     name = "the parameter" if letter == "@" else letter
     if not math.isfinite(value):
         return f"the number of {name} is too large for any machine"

@@ -174,7 +174,7 @@ def _columns(table: Columns, indent: str, before: str) -> Iterator[str]:
 
 
 def _lines(value: Any, indent: str, before: str = "") -> Iterator[str]:
-    """before: what stands in front of the value on its first line: the name of the field, the key."""
+    """before: what is in front of the value on its first line: the name of the field, the key."""
     kind: type = type(value)
     print_ = _printer(kind)
     text = _flat(value, WIDTH - len(indent) - len(before)) if print_ is None else print_(value)
@@ -191,7 +191,7 @@ def _lines(value: Any, indent: str, before: str = "") -> Iterator[str]:
 
 
 def _parts(value: Any) -> tuple[str, str, list[tuple[str, Any]]]:
-    """Brackets around a value, and its parts, each with what stands in front of it."""
+    """Brackets around a value, and its parts, each with what is in front of it."""
     kind = type(value)
     if kind is tuple or kind is list:
         return "[", "]", [("", part) for part in value]
@@ -294,7 +294,7 @@ class _Reader:
             yield words
 
     def _one_by_one(self) -> Iterator[str]:
-        """Each word from ``end`` on, which stands behind the last one."""
+        """Each word from ``end`` on, which is after the last one."""
         match, text = _TOKEN.match, self.text
         while self.end < len(text):
             found = match(text, self.end)
@@ -323,7 +323,7 @@ class _Reader:
         return value
 
     def value(self, token: str) -> Any:
-        """The value that begins with a token."""
+        """The value that starts with a token."""
         if token not in _OPENING:
             return _read_atom(token)
         if self.depth == self.deepest:

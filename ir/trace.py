@@ -290,7 +290,7 @@ class Edge:
 
 @record(slots=True, kw_only=True)
 class TraceSection:
-    """Rows from rest to rest. start: position (6) and frame index at its beginning."""
+    """Rows from rest to rest. start: position (6) and frame index at its start."""
 
     number: int
     start: tuple[float, ...]
@@ -301,7 +301,7 @@ class TraceSection:
 
 @record(slots=True, kw_only=True)
 class Trace:
-    """A whole evaluated program as a graph of sections; section 0 is where it begins.
+    """A whole evaluated program as a graph of sections; section 0 is where it starts.
 
     symbols: the ranges, mm or degrees, of unknowns that arose in the run (probe contacts, answers): see ir/setup.py.
     macro_files: see ``Program``.

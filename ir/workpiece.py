@@ -1,4 +1,4 @@
-"""What lies on the table: stock, the part that is to be left, fixtures. Lengths in mm.
+"""What is on the table: stock, the part that is to be left, fixtures. Lengths in mm.
 
 Bodies stand upright: Z is the spindle's axis, and X and Y are those of the machine, whatever turns or scales what a
 program says. Where a body counts from is its ``work``: a coordinate system of the program, with its zero where it is at
@@ -22,7 +22,7 @@ TRIANGLES = Schema("triangles", Column("a", "f8", 3), Column("b", "f8", 3), Colu
 MACHINE = 0
 """``Placed.work`` of a body in machine coordinates."""
 ACTIVE = -1
-"""``Placed.work`` of a body that counts from the zero in force when the job begins, whichever system that is of."""
+"""``Placed.work`` of a body that counts from the zero in force when the job starts, whichever system that is of."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -46,10 +46,10 @@ class Cylinder:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Prism:
-    """What lies between two heights inside an outline and outside its holes.
+    """What is between two heights inside an outline and outside its holes.
 
     outline, holes: simple polygons without a repeated last point; outlines turn counter-clockwise, holes clockwise.
-    error: mm that the polygon may lie beside what was drawn (arcs and splines of a DXF file).
+    error: mm that the polygon may be beside what was drawn (arcs and splines of a DXF file).
     """
 
     outline: tuple[Point, ...]

@@ -33,7 +33,7 @@ def of_extension(suffix: str, frontends: Sequence[Frontend]) -> Frontend | None:
 
 
 def guess_dialect(path: Path, frontends: Sequence[Frontend]) -> tuple[str, str]:
-    """(dialect, reason), the first of ``frontends`` where nothing says otherwise; of a file that can not be read, by
+    """(dialect, reason), the first of ``frontends`` where nothing says otherwise; of a file that cannot be read, by
     name alone."""
     try:
         with open(path, "rb") as file:

@@ -165,7 +165,7 @@ _UNREADABLE = (ArithmeticError, LookupError, AttributeError, TypeError, Recursio
 
 
 def _world(entity: Any, points: Iterable[tuple[float, float]], height: float) -> list[Point]:
-    """Points of an entity's own coordinates in those of the drawing; DxfError unless it lies flat."""
+    """Points of an entity's own coordinates in those of the drawing; DxfError unless it is flat."""
     normal = entity.dxf.get("extrusion", (0.0, 0.0, 1.0))
     if tuple(normal) == (0.0, 0.0, 1.0):
         return [(float(x), float(y)) for x, y in points]

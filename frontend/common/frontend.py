@@ -1,6 +1,6 @@
 """What a dialect's folder gives: its ``__init__.py`` exports a ``Frontend``, and ``driver/dialects.py`` lists it.
 
-Everything heavy stands behind functions that import it when they are called, so that all frontends can be listed while
+Everything heavy is after functions that import it when they are called, so that all frontends can be listed while
 one reads a job.
 """
 
@@ -77,7 +77,7 @@ class OwnTable:
 
 
 FileOf = Callable[["Machine", Path | None, Path | None, Path], "Alone"]
-"""How a file by itself is read: (machine, its file, the folder that the file stands in or None, the file)."""
+"""How a file by itself is read: (machine, its file, the folder that the file is in or None, the file)."""
 
 Read = tuple["Program | None", "Machine"]
 """The program, None where the job's file is refused, and the machine that it is judged on."""
@@ -97,7 +97,7 @@ class Frontend:
     of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
     lines are read; folder_machine: name of its file, which is looked for beside a program then.
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
-    that such a file states anew). machine_files: names of it; knows_machine: whether a file of another name is one,
+    that such a file states again). machine_files: names of it; knows_machine: whether a file of another name is one,
     None: whatever nobody else knows. own_table: what gproof's machine file may state for it alone.
     completed: what a machine of this dialect has that no file names.
     setup_table: a table of setup files that only this dialect has, "" for none; setup_fields: what it states, as fields

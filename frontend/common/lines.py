@@ -40,11 +40,11 @@ def automata(
     ends_with_words: Sequence[str],
     ends_without: Sequence[str],
 ) -> Automata:
-    """Tables of an automaton that begins in the first state of ``steps``, which has a state ``bad``.
+    """Tables of an automaton that starts in the first state of ``steps``, which has a state ``bad``.
 
     steps: state -> {class: next state}; classes: their names, with ``feed`` for the byte that ends a line; class_of:
-    of a byte; ends_*: states in which a line may end, with and without a word; a state whose name begins with
-    ``return`` is behind a carriage return.
+    of a byte; ends_*: states in which a line may end, with and without a word; a state whose name starts with
+    ``return`` is after a carriage return.
     """
     states = list(steps)
     bad = states.index("bad")
@@ -72,8 +72,8 @@ def automata(
 class LineIndex:
     """The lines of a file that are not plain, as columns, and totals.
 
-    line, begin, end: number, first byte, byte behind the line's end; words_before: a plain line between the
-    special line before (or the top) and this one has a word; words_after: one behind the last has.
+    line, begin, end: number, first byte, byte after the line's end; words_before: a plain line between the
+    special line before (or the top) and this one has a word; words_after: one after the last has.
     """
 
     line: Ints
@@ -94,7 +94,7 @@ _ROOM = 4096
 
 
 def _end_of_piece(data: bytes, begin: int, end: int) -> int:
-    """Behind the last line end of the piece that begins here; ``end`` when it has none."""
+    """Behind the last line end of the piece that starts here; ``end`` when it has none."""
     if end - begin <= PIECE:
         return end
     return data.rfind(b"\n", begin, begin + PIECE) + 1 or end

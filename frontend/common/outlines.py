@@ -50,7 +50,7 @@ def place(x: float, y: float) -> str:
 def prisms(
     rings: Sequence[Ring], low: float, high: float, pockets: Sequence[Pocket] = (), error: float = 0.0
 ) -> list[Prism]:
-    """What stands inside the rings from ``low`` to ``high``, less the pockets; OutlineError for bad rings."""
+    """What is inside the rings from ``low`` to ``high``, less the pockets; OutlineError for bad rings."""
     whole = regions(rings)
     floors = sorted({min(max(pocket.floor, low), high) for pocket in pockets} | {low, high})
     cuts = [(pocket.floor, regions(pocket.rings)) for pocket in pockets]
@@ -125,7 +125,7 @@ def _reason(text: str) -> str:
 
 
 def _apart(one: Polygon, other: Polygon) -> None:
-    """OutlineError unless one polygon lies in the other or beside it."""
+    """OutlineError unless one polygon is in the other or beside it."""
     if one.equals(other):
         raise OutlineError(f"an outline is drawn twice at {place(*other.exterior.coords[0])}")
     common = one.intersection(other)

@@ -28,7 +28,7 @@ class Keys:
     """The keys of a table.
 
     own: with plain values; tables: that are tables or lists of tables; named: every other key is a name (of a tool, an
-    axis, a layer), and what stands under it has these keys.
+    axis, a layer), and what is under it has these keys.
     """
 
     own: frozenset[str] = frozenset()
@@ -229,7 +229,7 @@ def nth(name: str, number: int) -> str:
 
 
 def key_paths(values: Mapping[str, object], path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Every key of a TOML file, with the tables that it stands in; ``-`` counts as ``_``."""
+    """Every key of a TOML file, with the tables that it is in; ``-`` counts as ``_``."""
     for key, value in values.items():
         here = (*path, key.replace("-", "_"))
         if isinstance(value, Mapping):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def is_file(path: Path) -> bool:
-    """True for a regular file; False for what can not even be a name."""
+    """True for a regular file; False for what cannot even be a name."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -14,7 +14,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_there(path: Path) -> bool:
-    """True for a file or folder of any kind; False for what can not even be a name."""
+    """True for a file or folder of any kind; False for what cannot even be a name."""
     try:
         return path.exists()
     except (OSError, ValueError):

@@ -23,7 +23,7 @@ CTRL_Z = b"\x1a"
 
 
 def read_source(path: Path, *, dos: bool = False) -> SourceFile:
-    """The file with its hash; Refusal (GP601) when it can not be read, (GP119) when it is no text.
+    """The file with its hash; Refusal (GP601) when it cannot be read, (GP119) when it is no text.
 
     dos: one Ctrl-Z at its end is no part of the text; the hash is of the whole file nevertheless.
     """
@@ -60,7 +60,7 @@ def _refuse_utf16(name: str, data: bytes) -> None:
 
 
 def _refuse_nul(name: str, piece: bytes, begin: int, line: int) -> int:
-    """Of the piece of a file that begins at byte ``begin``, in a line; returns that of the next piece."""
+    """Of the piece of a file that starts at byte ``begin``, in a line; returns that of the next piece."""
     at = piece.find(b"\0")
     if at >= 0:
         raise Refusal(codes.NOT_TEXT.at(Span(name, line + piece.count(b"\n", 0, at)), byte="0x00", offset=begin + at))

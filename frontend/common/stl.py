@@ -56,7 +56,7 @@ def read_stl(path: Path) -> Triangles:
 
 
 def _is_text(raw: bytes) -> bool:
-    """Binary files may begin with "solid" too: then their length is that of their number of triangles."""
+    """Binary files may start with "solid" too: then their length is that of their number of triangles."""
     if len(raw) >= 84 and len(raw) == 84 + 50 * int.from_bytes(raw[80:84], "little"):
         return False
     return raw.lstrip()[:5].lower() == b"solid" and b"\0" not in raw[:4096]

@@ -48,7 +48,7 @@ _AT_LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
 class TomlFile:
-    """A file, its findings and where its keys stand. ``root`` is None when it can not be read."""
+    """A file, its findings and where its keys stand. ``root`` is None when it cannot be read."""
 
     def __init__(self, path: Path, schema: str, findings: Findings) -> None:
         self.name = str(path)
@@ -419,7 +419,7 @@ def in_range(value: T, path: Path, findings: Findings) -> T | None:
 
 
 def small_number(name: str, low: int, high: int) -> int | None:
-    """The whole number that a key spells, when it lies in range."""
+    """The whole number that a key spells, when it is in range."""
     if name.isascii() and name.isdigit() and len(name) <= 9 and low <= int(name) <= high:
         return int(name)
     return None

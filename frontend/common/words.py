@@ -1,4 +1,4 @@
-"""The words of plain lines in any dialect: a table of what each byte is, and the kernel behind a plain function.
+"""The words of plain lines in any dialect: a table of what each byte is, and the kernel after a plain function.
 
 A value equals float(text) bit for bit: the kernel is exact up to 2**53 and 22 decimals, and what goes beyond is read
 here with ``float``.

@@ -1,6 +1,6 @@
 """The actions of the grammar: from what its rules matched to the nodes of a Program.
 
-``Builder`` has a method for each rule and alias of ``grammar.lark``; what a rule means stands there.
+``Builder`` has a method for each rule and alias of ``grammar.lark``; what a rule means is there.
 """
 
 # ruff: noqa: D102
@@ -67,7 +67,7 @@ Parsed = Statement | Structural
 class Part(NamedTuple):
     """An expression on its way up: node, begin and end in the code of the line.
 
-    operator: its outermost operator when that stands without brackets (``sign`` for a sign before
+    operator: its outermost operator when that is without brackets (``sign`` for a sign before
     something that is no number), else "".
     """
 
@@ -181,7 +181,7 @@ class Builder:
         return Part(Variable(self._literal(tokens[0]), self.span(begin, end)), begin, end)
 
     def _literal(self, token: Token) -> Number:
-        """The number behind the first character of a token."""
+        """The number after the first character of a token."""
         begin, end = _range(token)
         text = token[1:]
         return Number(float(text), self.span(begin + 1, end), "." in text)
@@ -242,7 +242,7 @@ class Builder:
         return Comment(text.strip(), Message(kind="msg", parts=(Text(shown, span),), span=span, in_comment=True))
 
     def prefix(self, tokens: Tokens) -> bool:
-        """Whether the line begins with a slash; its line number is checked and forgotten."""
+        """Whether the line starts with a slash; its line number is checked and forgotten."""
         for token in tokens:
             if token.type == "LINE_NUMBER" and not 2 <= len(token) <= 6:
                 begin, end = _range(token)
@@ -374,7 +374,7 @@ class Builder:
         return self._device("laf_angle", tokens, tokens[1].node)
 
     def knife(self, tokens: Tokens) -> Device:
-        """On and off; behind ``on`` the side to which a bent knife is bent (2.1.9)."""
+        """On and off; after ``on`` the side to which a bent knife is bent (2.1.9)."""
         side = tokens[2:]
         if str(tokens[1]).lower() == "off":
             if side:
@@ -412,7 +412,7 @@ class Builder:
 
 
 def written(line: Line) -> str:
-    """The statement of a line as written, without what stands before and behind it."""
+    """The statement of a line as written, without what is before and after it."""
     return _COMMENT.sub("", line.text[line.keyword_at : line.places[-1]]).strip()
 
 

@@ -52,7 +52,7 @@ class _Stop:
         return self.line.code[self.at :]
 
     def error(self, code: Code, begin: int, end: int, **values: Any) -> LineError:
-        """A mistake at code[begin:end]; an empty range at the end points behind the last character."""
+        """A mistake at code[begin:end]; an empty range at the end points after the last character."""
         places = self.line.places
         first = places[min(begin, len(places) - 1)]
         last = places[end - 1] + 1 if begin < end <= len(self.line.code) else first + 1
@@ -78,7 +78,7 @@ def diagnose(line: Line, error: UnexpectedInput) -> LineError:
 
 
 def _structure(stop: _Stop) -> LineError | None:
-    """A word of flow control among other code, or other code behind one."""
+    """A word of flow control among other code, or other code after one."""
     line = stop.line
     place = line.places[stop.at]
     for found in _STRUCTURE_WORD.finditer(line.text):
@@ -210,7 +210,7 @@ def _missing_value(stop: _Stop) -> LineError | None:
 
 
 def _operator(stop: _Stop) -> LineError | None:
-    """Arithmetic outside brackets, behind a value."""
+    """Arithmetic outside brackets, after a value."""
     operator = _OPERATOR.match(stop.rest)
     if operator is None or stop.line.rule != "block" or not re.search(r"[0-9.\]]$", stop.before):
         return None
@@ -250,7 +250,7 @@ _TAKES = {
     "zhcs": _FILE,
     "%": "a number: %mx=200",
 }
-"""What the commands to the controller take behind them."""
+"""What the commands to the controller take after them."""
 
 
 def _takes(stop: _Stop) -> str:

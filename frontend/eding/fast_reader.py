@@ -167,7 +167,7 @@ class _Reading:
         return Part(Unary(operator, inner.node, self.span(begin, inner.end)), begin, inner.end, SIGN)
 
     def function(self, name: str, begin: int, at: int) -> Part:
-        """A function, from behind its opening bracket."""
+        """A function, from after its opening bracket."""
         node, end = self.bracket(at)
         if name != "atan":
             return Part(Unary(name, node, self.span(begin, end)), begin, end)
@@ -178,7 +178,7 @@ class _Reading:
         return Part(Binary("atan", node, right, self.span(begin, end)), begin, end)
 
     def bracket(self, at: int) -> tuple[Expr, int]:
-        """What stands in brackets, from behind the opening one; the end is behind the closing one."""
+        """What is in brackets, from after the opening one; the end is after the closing one."""
         first, operator, at = self.operand(at)
         if operator == "]":
             return first.node, at
@@ -190,7 +190,7 @@ class _Reading:
         return grouped(values, operators[:-1], self.span), at
 
     def operand(self, at: int) -> tuple[Part, str, int]:
-        """A value and what stands behind it: an operator or the closing bracket."""
+        """A value and what comes after it: an operator or the closing bracket."""
         value = self.value(at)
         behind = _BEHIND.match(self.text, value.end)
         if behind is None:

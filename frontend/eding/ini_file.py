@@ -25,7 +25,7 @@ NUMBERED = re.compile(r"(JOINT|SPINDLE|TOOL)_(\d{1,2})$")
 
 @record(frozen=True, slots=True)
 class Value:
-    """What stands behind a key: its text, its line, the key as written."""
+    """What comes after a key: its text, its line, the key as written."""
 
     text: str
     line: int
@@ -114,7 +114,7 @@ class Ini:
         return value is not None and value != 0
 
     def where(self, section: str, *keys: str) -> tuple[str, str] | None:
-        """The section and key under which a setting stands: ``section`` first, then any other without a number.
+        """The section and key under which a setting is: ``section`` first, then any other without a number.
 
         The manual names few sections, and releases differ; the keys are distinctive enough to be found anywhere.
         BAD_VALUE when two places disagree.

@@ -1,10 +1,10 @@
 """The lines of a program that are not plain, each in the cheapest way that gives what the grammar gives.
 
 - Correct lines of words, settings and conditions are read directly (``direct.read_line``).
-- A program holds so many blocks; those behind are made when they run (``DeferredBlock``). Such a line is not even read
+- A program holds so many blocks; those after are made when they run (``DeferredBlock``). Such a line is not even read
   when its *shape* was met before: two lines have one shape when they differ only in literal numbers and in the
   contents of comments, the *holes* of the line: ``G1 X[#1 + 2.5] (a)`` and ``G1 X[#7 + 10] (b)``. What is a correct
-  block in one of them is one in the other: no token begins or ends elsewhere, whatever number stands in a hole.
+  block in one of them is one in the other: no token starts or ends elsewhere, whatever number is in a hole.
 - Everything else goes through the grammar (``parse.parse_line``), which is the reference; what it gave for a line is
   kept letter by letter, for the next ``endif`` or ``gosub part``. Mistakes are never kept.
 """
@@ -32,7 +32,7 @@ HELD_BLOCKS = 2_000
 """Blocks of a program that are made at once; later ones are made when they run."""
 
 _HOLE = re.compile(r"((?<=\()[^()]+(?=\))|(?<=;)(?!\)).+|[0-9]+\.?[0-9]*|\.[0-9]+)")
-"""A hole: what is in parentheses, what is behind a semicolon (but not one that ends a comment), a number.
+"""A hole: what is in parentheses, what is after a semicolon (but not one that ends a comment), a number.
 The code around it tells which of them it is."""
 _NOT_DIRECTLY = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]|\([ \t]*m[ \t]*s[ \t]*g[ \t]*,", re.IGNORECASE)
 _LINE_NUMBER = re.compile(r"[ \t]*/?[ \t]*[nN][ \t]*")

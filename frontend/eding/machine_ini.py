@@ -3,7 +3,7 @@
 Source: Eding CNC manual 4.01, 2.1 (what the settings mean), 2.3 and 2.4 (tables), 2.1.11 and 2.1.14 (keys that are
 only in the file), 3.5.6 (spindles). docs/machine-files.md lists every key and says which names the manual gives.
 Keys that have nothing to do with positions are kept as they are; one that is not known at all is kept and reported
-once (GP602); a setting that is on and that gproof can not follow goes into ``Machine.not_modelled``.
+once (GP602); a setting that is on and that gproof cannot follow goes into ``Machine.not_modelled``.
 """
 
 from __future__ import annotations

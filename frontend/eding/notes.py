@@ -25,7 +25,7 @@ _PREFIX = re.compile(r"(/?)(?:[nN]([0-9]+))?")
 def annotate(data: bytes, begin: int, line: int, limit: int) -> tuple[Notes, int, int]:
     """Notes of the lines from byte ``begin``, which starts line ``line``; see ``Program.load_notes``.
 
-    Stops at the first line end at or behind ``begin + limit``.
+    Stops at the first line end at or after ``begin + limit``.
     """
     if begin == 0 and data[:3] == UTF8_MARK:
         begin = len(UTF8_MARK)
@@ -123,7 +123,7 @@ def line_notes(raw: bytes) -> list[Found]:
 
 
 def _column(before: bytes) -> int:
-    """The column behind ``before``, when it ends in more than one blank, else 0; see NOTE."""
+    """The column after ``before``, when it ends in more than one blank, else 0; see NOTE."""
     column = len(before.expandtabs(8))
     return column if column - len(before.rstrip(b" \t").expandtabs(8)) > 1 else 0
 
@@ -152,7 +152,7 @@ _NAME = re.compile(r"[-+]?([a-z]+)(?=\[)", re.IGNORECASE | re.ASCII)
 
 
 def _value_end(code: str, at: int) -> int:
-    """Behind the value that begins at ``at``; of any number of ``#`` before it, without the stack of Python."""
+    """Behind the value that starts at ``at``; of any number of ``#`` before it, without the stack of Python."""
     while found := _PARAMETER.match(code, at):
         at = found.end()
     name = _NAME.match(code, at)

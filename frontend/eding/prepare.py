@@ -36,10 +36,10 @@ _HEAD = re.compile(
     re.VERBOSE | re.IGNORECASE | re.ASCII,
 )
 NESTING = re.compile(r"[ \t]*%[ \t]*[mdo][ \t]*[xy][ \t]*=", re.IGNORECASE)
-"""A preset of the nesting dialog (2.2.4.4); any other text behind a percent sign is no code."""
+"""A preset of the nesting dialog (2.2.4.4); any other text after a percent sign is no code."""
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
 SHORTEST_COMMAND = 3
-"""Letters from which on a word that begins a line and has no meaning here is a command that the manual lacks."""
+"""Letters from which on a word that starts a line and has no meaning here is a command that the manual lacks."""
 _BLANKS = re.compile(r"[ \t]+")
 
 
@@ -65,8 +65,8 @@ class Line:
 
     text: as written, without its end; rule: ``block``, ``flow``, or ``foreign`` for a command that the manual does not
     have; keyword: of the latter two, lower case;
-    keyword_at: where it stands, or -1; code: what the grammar reads; places: for each character of
-    ``code`` its index in ``text``, and one more for the end; comment: the text behind a semicolon.
+    keyword_at: where it is, or -1; code: what the grammar reads; places: for each character of
+    ``code`` its index in ``text``, and one more for the end; comment: the text after a semicolon.
     """
 
     text: str
@@ -79,7 +79,7 @@ class Line:
 
 
 def prepare(text: str) -> Line:
-    """Ready a line for the grammar; LineError where it can not be."""
+    """Ready a line for the grammar; LineError where it cannot be."""
     control = _CONTROL.search(text)
     if control:
         what = f"control character U+{ord(control.group()):04X} in the line"
@@ -115,7 +115,7 @@ def prepare(text: str) -> Line:
 
 
 def structure_of(text: str) -> str:
-    """The word of flow control that a line begins with, however wrong the rest of it is, or ""."""
+    """The word of flow control that a line starts with, however wrong the rest of it is, or ""."""
     try:
         keyword, _ = _keyword(text)
     except LineError:
@@ -124,7 +124,7 @@ def structure_of(text: str) -> str:
 
 
 def _keyword(text: str) -> tuple[str, int]:
-    """The statement of chapter 4 that a line begins with and where, or ("", -1) for a line of words."""
+    """The statement of chapter 4 that a line starts with and where, or ("", -1) for a line of words."""
     head = _HEAD.match(text)
     if head is None:
         return ("%", text.index("%")) if NESTING.match(text) else ("", -1)

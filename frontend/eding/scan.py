@@ -78,7 +78,7 @@ _BLANK_LOOPS = (
 def _steps() -> dict[str, dict[str, str]]:
     """state -> {class: next state}; what is missing leads to ``bad``.
 
-    The suffix ``0`` / ``1`` of the states behind an item says whether the line has a word so far.
+    The suffix ``0`` / ``1`` of the states after an item says whether the line has a word so far.
     """
     steps: dict[str, dict[str, str]] = {"start": {}, "bad": {}}
     word = dict.fromkeys(_LETTERS, "need")

@@ -44,7 +44,7 @@ _CLOSES = {"endif": "if", "endwhile": "while", "endsub": "sub"}
 class Assembler:
     """Collects one program out of its files; see the module's text.
 
-    mistake: takes a finding, the subprogram it stands in, and (``sure``) whether it counts anyway; twice: takes one
+    mistake: takes a finding, the subprogram it is in, and (``sure``) whether it counts anyway; twice: takes one
     about two subprograms of a name, and the name.
     """
 
@@ -55,7 +55,7 @@ class Assembler:
         self._places: dict[str, int] = {}
         self.subprograms: dict[str, Subprogram] = {}
         self.calls: list[tuple[Call, str]] = []
-        """Each call and the subprogram it stands in ("" outside)."""
+        """Each call and the subprogram it is in ("" outside)."""
         self._stack: list[_Open] = []
 
     def begin_file(self, file: str, place: int = JOB) -> None:
@@ -128,7 +128,7 @@ class Assembler:
         outer = self._stack[-1].current
         body = tuple(block.body)
         if len(self._stack) > NESTING:
-            return  # an Unsupported stands in its place
+            return  # an Unsupported is in its place
         if block.keyword == "if":
             otherwise = tuple(block.otherwise or ())
             outer.append(

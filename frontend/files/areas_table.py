@@ -25,7 +25,7 @@ Ring = tuple[Pair, ...]
 def areas_from(
     root: TomlTable, change: Area | None, keep_out: tuple[Area, ...], unit: Fraction
 ) -> tuple[Area | None, tuple[Area, ...]]:
-    """The tool change area and the zones of a machine file, over those of its base; a name says it anew."""
+    """The tool change area and the zones of a machine file, over those of its base; a name says it again."""
     outer = root.table("areas")
     zones = {area.name: area for area in keep_out}
     for name in outer.values if outer else ():

@@ -1,7 +1,7 @@
 """``[height_map]`` of a setup file: a grid in the file itself, or a table of points beside it.
 
 The controller's own format is not documented (Eding CNC manual 2.2.5.5 names the file only); this one is gproof's: a
-line for each point with its machine X, Y and measured Z, in the setup's unit, in any order; ``;`` or ``#`` begins a
+line for each point with its machine X, Y and measured Z, in the setup's unit, in any order; ``;`` or ``#`` starts a
 comment. The points make a full grid with equal steps in X and Y.
 """
 

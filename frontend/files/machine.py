@@ -69,7 +69,7 @@ def load_machine(path: Path, findings: Findings, frontends: Frontends) -> tuple[
 def _load(
     path: Path, findings: Findings, frontends: Frontends, depth: int, anew: frozenset[tuple[str, ...]] = frozenset()
 ) -> tuple[Machine | None, Files]:
-    """anew: keys of the files that refine this one, with their tables."""
+    """again: keys of the files that refine this one, with their tables."""
     if path.suffix.lower() == ".ini":
         return _whose(path, frontends).load_machine(path, findings, depth == DEEPEST_BASE, anew)
     return _load_toml(path, findings, frontends, depth, anew)

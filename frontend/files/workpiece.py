@@ -1,4 +1,4 @@
-"""What lies on the table, from a setup file: ``[stock]``, ``[[part]]``, ``[[fixtures]]`` and ``[workpiece]``.
+"""What is on the table, from a setup file: ``[stock]``, ``[[part]]``, ``[[fixtures]]`` and ``[workpiece]``.
 
 Each table is one thing: a box, a cylinder, a polygon, outlines of a DXF drawing or the mesh of an STL file, turned
 about the zero it counts from (``rotate``) and then moved (``shift``). docs/setup-files.md lists the keys. Bad input is
@@ -419,7 +419,7 @@ def _heights(table: TomlTable, unit: Fraction) -> tuple[float, float] | None:
 
 
 def _within(table: TomlTable, key: str, floor: float, ends: tuple[float, float] | None) -> bool:
-    """Whether a floor lies below the top and not below the bottom of what it is a floor of."""
+    """Whether a floor is below the top and not below the bottom of what it is a floor of."""
     if ends is None or ends[0] <= floor < ends[1]:
         return True
     table.bad(key, f"it must be from {ends[0]:g} to {ends[1]:g} mm, the bottom and the top around it")

@@ -27,7 +27,7 @@ _LAST_PART = re.compile(r"[/\\:]")
 
 
 def alone(machine: Machine, machine_file: Path | None, folder: Path | None, path: Path) -> Alone:
-    """How the file ``path`` is read, which stands in ``folder`` (None: nowhere)."""
+    """How the file ``path`` is read, which is in ``folder`` (None: nowhere)."""
     known = NO_MCUWIN if machine is NO_MACHINE else machine
 
     def within(job: Path | None) -> Alone:

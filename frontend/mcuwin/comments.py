@@ -20,12 +20,12 @@ _REST = re.compile(r"[ \t]*(?:'.*)?\Z", re.DOTALL)
 
 
 def is_rest(text: str, at: int) -> bool:
-    """True when nothing but blanks and a quoted comment stands behind ``at``."""
+    """True when nothing but blanks and a quoted comment is after ``at``."""
     return _REST.match(text, at) is not None
 
 
 def round_comment(text: str, at: int, file: str, line: int, *, nests: bool = False) -> int:
-    """Where the comment that begins with the bracket at ``at`` ends; Refusal when it does not, or may end elsewhere.
+    """Where the comment that starts with the bracket at ``at`` ends; Refusal when it does not, or may end elsewhere.
 
     nests: they do, as the manual of version 2.5.3.32 says without taking it back.
     """

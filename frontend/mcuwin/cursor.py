@@ -1,4 +1,4 @@
-"""Where reading stands in a line of DIN 66025 blocks of McuWIN: blanks, comments, values (manual 3, 6, 11)."""
+"""Where reading is in a line of DIN 66025 blocks of McuWIN: blanks, comments, values (manual 3, 6, 11)."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class LineCursor:
         self._last_sign = text.rfind(":=")
 
     def blanks(self) -> None:
-        """Go on behind blanks and comments."""
+        """Go on after blanks and comments."""
         self.at = self._behind_blanks(self.at)
 
     def span(self, begin: int, end: int | None = None) -> Span:
@@ -54,7 +54,7 @@ class LineCursor:
         return Refusal(code.at(self.span(begin, end), hint=hint, **values))
 
     def note(self, kind: NoteKind, begin: int, text: str) -> None:
-        """Keep a text for the printer: what it is, where it begins."""
+        """Keep a text for the printer: what it is, where it starts."""
         self.found.notes.append((self.items, kind, begin, text))
 
     def comments(self) -> bool:
@@ -77,7 +77,7 @@ class LineCursor:
                 return True
 
     def _is_parameter(self) -> bool:
-        """Whether a bracket here is one of a parameter: behind codes that may have one (4, 6)."""
+        """Whether a bracket here is one of a parameter: after codes that may have one (4, 6)."""
         if self.code is None or self.language.old:
             return False
         letter, number = self.code
@@ -87,7 +87,7 @@ class LineCursor:
         return (number == 4 and not has_one) or FIRST_USER_CODE <= number <= LAST_USER_CODE
 
     def behind_comments(self) -> int:
-        """Where the line goes on; only the older version has comments in brackets behind codes (7 of its manual)."""
+        """Where the line goes on; only the older version has comments in brackets after codes (7 of its manual)."""
         at = self._behind_blanks(self.at)
         while self.language.old and self.text.startswith("(", at):
             at = self._behind_blanks(round_comment(self.text, at, self.file, self.line, nests=True))
@@ -99,11 +99,11 @@ class LineCursor:
         return found.end()
 
     def assigned(self, at: int) -> re.Match[str] | None:
-        """The name that begins at ``at`` and is assigned to; no name is looked for behind the last ``:=``."""
+        """The name that starts at ``at`` and is assigned to; no name is looked for after the last ``:=``."""
         return _ASSIGNED.match(self.text, at) if at < self._last_sign else None
 
     def begins_value(self, at: int) -> bool:
-        """Whether a value begins at ``at``, not the next word."""
+        """Whether a value starts at ``at``, not the next word."""
         at = self._behind_blanks(at)
         char = self.text[at : at + 1]
         if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):

@@ -29,11 +29,11 @@ class Expressions:
         return value, end
 
     def assignment(self, text: str, at: int, file: str, line: int) -> tuple[Assign | None, int]:
-        """An assignment, None for one to something that can not be written (reported), and where it ends."""
+        """An assignment, None for one to something that cannot be written (reported), and where it ends."""
         return parse_assignment(text, at, Place(file, line), self.symbols)
 
     def fits(self, text: str, at: int) -> bool:
-        """Whether a number without mistakes begins at ``at``."""
+        """Whether a number without mistakes starts at ``at``."""
         trial = self.symbols.trial()
         try:
             _, type_, _ = parse_expression(text, at, Place("", 0), trial)

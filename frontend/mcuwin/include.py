@@ -33,7 +33,7 @@ def find(name: str, folders: Sequence[Path]) -> list[Path]:
 
 
 def differ(paths: Sequence[Path]) -> bool:
-    """Whether files are not the same bytes; one that can not be read differs from all."""
+    """Whether files are not the same bytes; one that cannot be read differs from all."""
     try:
         return len({path.read_bytes() for path in paths}) > 1
     except OSError:

@@ -19,7 +19,7 @@ from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.record import record
 
 COMMENT_SIGNS = (";", "#", "//", "'")
-"""Beginnings of lines that are passed over: no section and no key begins so."""
+"""Beginnings of lines that are passed over: no section and no key starts so."""
 
 _END_OF_LINE = re.compile(r"\r\n|\r|\n")
 _SECTION = re.compile(r"\s*\[(?P<name>[^\]]*)\]\s*")

@@ -15,8 +15,8 @@ from gproof.ir.rules import LanguageRules
 class DinLine:
     """A line that was read.
 
-    number: its digits, "" without; statements: in order; module: what stands behind a percent sign, None without one;
-    module_span: of that; pascal: where a ``$`` stands, -1 without; starts: where ``{$DINSTART}`` stands, and behind;
+    number: its digits, "" without; statements: in order; module: what comes after a percent sign, None without one;
+    module_span: of that; pascal: where a ``$`` is, -1 without; starts: where ``{$DINSTART}`` is, and after;
     says: there is more than blanks and comments; notes: see ``notes.py``.
     """
 

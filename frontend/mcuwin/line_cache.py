@@ -1,8 +1,8 @@
 """Lines of a McuWIN program that are not plain, each read once for all lines of its shape (see ``patterns.py``).
 
 A shape whose second line was read without a finding has a pattern: further lines of it are not read at all. A program
-holds so many blocks; those behind are made when they run (``DeferredBlock``), by the pattern of their shape or, where
-there is none, by reading the line again with the names that were declared where it stands. Reading itself
+holds so many blocks; those after are made when they run (``DeferredBlock``), by the pattern of their shape or, where
+there is none, by reading the line again with the names that were declared where it is. Reading itself
 (``lines.py``, ``pascal.py``) is the reference.
 """
 
@@ -38,7 +38,7 @@ LONGEST_RUN = 9
 """Digits of a number that is surely one of 32 bits."""
 
 State = tuple[str, str]
-"""What the source has in force before or behind a line: code and distances (``ir/dialects/mcuwin/persistence.py``)."""
+"""What the source has in force before or after a line: code and distances (``ir/dialects/mcuwin/persistence.py``)."""
 
 _RUN = re.compile(r"([0-9]+)")
 _COMMENT = re.compile(r"'|//")
@@ -74,15 +74,15 @@ def split(text: str) -> Split | None:
 
 
 def comment_of(text: str, at: int) -> str:
-    """What the comment that begins with a quote or two slashes says, as blocks have it; "" without one."""
+    """What the comment that starts with a quote or two slashes says, as blocks have it; "" without one."""
     return "" if at < 0 else text[at + (1 if text[at] == "'" else 2) :].strip()
 
 
 @record(frozen=True, slots=True)
 class Known:
-    """What lines of a shape are. after: what is in force behind; letters: of their words; number: whether they have a
+    """What lines of a shape are. after: what is in force after; letters: of their words; number: whether they have a
     line number; says: there are statements; dollar: "" for a line of blocks, ``simple`` for whole statements of
-    rw_SymPas, ``head`` for another ``$`` line; notes: each with the place where it begins; blocks:
+    rw_SymPas, ``head`` for another ``$`` line; notes: each with the place where it starts; blocks:
     which of the statements are blocks that can be made when they run; size: of these, see ``size.py``."""
 
     pattern: Pattern
@@ -157,7 +157,7 @@ class Shapes:
         self, text: str, file: str, line: int, state: State, after: State, din: DinLine, dollar: Dollar | None,
         notes: Sequence[Found],
     ) -> None:  # fmt: skip
-        """Remember a line that was read without a finding; state, after: in force before and behind it."""
+        """Remember a line that was read without a finding; state, after: in force before and after it."""
         parts = split(text)
         if parts is None or din.module is not None or din.starts is not None or (din.pascal >= 0 and dollar is None):
             return

@@ -148,7 +148,7 @@ class _Line(LineCursor):
             if before is None:
                 self.found.statements.append(block)
             else:
-                # In front of it: behind a jump or a return nobody would come by.
+                # In front of it: after a jump or a return nobody would come by.
                 text = self.text[span.column - 1 : span.end_column - 1]
                 what = "words after a jump, call or return, or another word that must be alone"
                 self.found.statements.insert(before, Unsupported(what=what, span=span, text=text))
@@ -161,7 +161,7 @@ class _Line(LineCursor):
             self.found.statements.append(behind)
 
     def _out_of_order(self) -> int | None:
-        """Which statement of the line stands before words of which nobody knows whether they act in that order."""
+        """Which statement of the line is before words of which nobody knows whether they act in that order."""
         for at, node in enumerate(self.found.statements):
             if isinstance(node, (Jump, Call, Return)) or (isinstance(node, Block) and node.words):
                 return at
@@ -189,7 +189,7 @@ class _Line(LineCursor):
         self._flush(Unsupported(what=what, span=self.span(begin), text=self.text[begin : self.at]))
 
     def _message(self) -> None:
-        """WRITE and WRITELN (5.7): texts in double quotes and values, behind one another."""
+        """WRITE and WRITELN (5.7): texts in double quotes and values, after one another."""
         begin = self.at
         if self.language.old:
             raise self.error(codes.SYNTAX, begin, len(self.text), what="WRITE and WRITELN came with version 2.5.3.38")

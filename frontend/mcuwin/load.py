@@ -129,7 +129,7 @@ class _Loader:
         return program
 
     def file_alone(self) -> Program:
-        """The job's file as it stands."""
+        """The job's file as it is."""
         self._read_all()
         program, text = self.program, self.text
         del program.files[1:]
@@ -138,7 +138,7 @@ class _Loader:
         return program
 
     def _read_all(self) -> None:
-        """The text of the job, and of what the machine's settings put before and behind it."""
+        """The text of the job, and of what the machine's settings put before and after it."""
         program = self.program
         number = self._take_in(self.path)
         program.files[number].name = self.name
@@ -283,7 +283,7 @@ class _Walk:
         self._before(found.line_count + 1, len(self.data), found.words_after)
 
     def _before(self, number: int, begin: int, has_words: bool) -> None:
-        """The plain lines up to byte ``begin``, which begins line ``number``."""
+        """The plain lines up to byte ``begin``, which starts line ``number``."""
         while self.byte < begin and (self.text.pascal or self.text.doubtful or not self.loader.tables):
             at = self.data.find(b"\n", self.byte)
             self._single(begin if at < 0 else at + 1)

@@ -1,7 +1,7 @@
 """Modules, labels, jumps and calls of a McuWIN program as subprograms (manual 4.10, 4.15, 4.16, 5.1, 9).
 
 Labels are of the whole text, with its includes. A call runs a module, or what follows a label up to M17; a jump goes on
-behind a label of its own module. What the manual does not have (a jump into a block or another module) is UNKNOWN.
+after a label of its own module. What the manual does not have (a jump into a block or another module) is UNKNOWN.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ class _Assembly:
         self.findings.add(codes.DUPLICATE_LABEL.at(span, name=name, related=related))
 
     def _name(self, unit: _Unit) -> None:
-        """A module's name is a label of its beginning (5.1)."""
+        """A module's name is a label of its start (5.1)."""
         if not unit.name:
             return
         if unit.name in self.named:
@@ -144,7 +144,7 @@ class _Assembly:
         self.named[unit.name] = unit
 
     def _start_labels(self) -> None:
-        """A label at the beginning of modules that somebody jumps to by name, or calls though they run first."""
+        """A label at the start of modules that somebody jumps to by name, or calls though they run first."""
         if self.old:
             return
         wanted: set[tuple[str, int]] = set()
@@ -268,7 +268,7 @@ def _ends(node: Statement) -> bool:
 
 
 def _at_beginning(body: Body, name: str) -> bool:
-    """Whether a label stands before everything that does something."""
+    """Whether a label is before everything that does something."""
     for node in body:
         if isinstance(node, Label) and node.name == name:
             return True

@@ -18,7 +18,7 @@ from gproof.ir.notes import NOTE, NoteKind, Notes
 from gproof.ir.record import field, record
 
 Found = tuple[int, NoteKind, int, str]
-"""Place, kind, character where it begins (from 0) and text of a note."""
+"""Place, kind, character where it starts (from 0) and text of a note."""
 Row = tuple[int, int, int, int, bytes]
 """Line, place, kind, column and bytes of a note."""
 
@@ -42,7 +42,7 @@ class FileNotes:
 
 
 def column_of(before: bytes) -> int:
-    """The column behind ``before``, when it ends in more than one blank, else 0; see NOTE."""
+    """The column after ``before``, when it ends in more than one blank, else 0; see NOTE."""
     column = len(before.expandtabs(8))
     return column if column - len(before.rstrip(b" \t").expandtabs(8)) > 1 else 0
 

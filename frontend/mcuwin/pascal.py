@@ -1,7 +1,7 @@
-"""rw_SymPas for the frontend of McuWIN: expressions in blocks, ``$`` lines, and sections behind ``$DINEND``.
+"""rw_SymPas for the frontend of McuWIN: expressions in blocks, ``$`` lines, and sections after ``$DINEND``.
 
 Text comes as whole lines, of which other comments than ``//`` and ``{ }`` are blanked out; places count from there.
-Violations of types and declarations go to ``Symbols.report`` and reading goes on; a text that can not be read raises
+Violations of types and declarations go to ``Symbols.report`` and reading goes on; a text that cannot be read raises
 ``PascalError``, which carries its finding. Source: McuWIN manual 5.7, 7, 8, 10 to 12.
 """
 
@@ -34,7 +34,7 @@ class IfHead(NamedTuple):
 
 
 class ElseIf(NamedTuple):
-    """end else if (...) begin, with or without ``then``; closes: ``end`` stands before it on this line."""
+    """end else if (...) begin, with or without ``then``; closes: ``end`` is before it on this line."""
 
     condition: Expr
     span: Span
@@ -96,7 +96,7 @@ Dollar = IfHead | ElseIf | Else | End | Until | WhileHead | RepeatHead | ForHead
 
 
 def parse_expression(text: str, at: int, place: Place, symbols: Symbols) -> tuple[Expr, Type, int]:
-    """The longest expression of a line from character ``at``: (tree, type, character behind it)."""
+    """The longest expression of a line from character ``at``: (tree, type, character after it)."""
     parser = _parser([text], place, symbols, at)
     node, type_ = parser.whole()
     return node, type_, parser.lexer.last.end
@@ -131,7 +131,7 @@ def begins_expression(text: str, at: int, symbols: Symbols) -> bool:
 
 
 def parse_dollar(text: str, at: int, place: Place, symbols: Symbols) -> Dollar:
-    """A whole line behind its ``$``, from character ``at``."""
+    """A whole line after its ``$``, from character ``at``."""
     parser = _parser([text], place, symbols, at)
     first = parser.lexer.peek()
     found = _DollarLine(parser, first).read()
@@ -150,7 +150,7 @@ def _parser(lines: Sequence[str], place: Place, symbols: Symbols, at: int) -> Se
 
 
 class _DollarLine:
-    """Reads one line behind ``$``."""
+    """Reads one line after ``$``."""
 
     def __init__(self, parser: SectionParser, first: Token) -> None:
         self.parser = parser
@@ -181,7 +181,7 @@ class _DollarLine:
         return Simple(statements, self.span)
 
     def _declared(self) -> Dollar:
-        """Declarations behind one ``$``: the manual has them in sections only (10), so the names alone are taken."""
+        """Declarations after one ``$``: the manual has them in sections only (10), so the names alone are taken."""
         text = self.lexer.lines[0][self.first.begin :].rstrip()
         self.parser.section()
         what = "a declaration after a single $ (declare between $DINEND and {$DINSTART}, 10)"

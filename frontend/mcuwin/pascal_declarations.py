@@ -49,7 +49,7 @@ class SectionParser(StatementParser):
     """Reads declarations and statements in any order."""
 
     def section(self) -> Section:
-        """The whole text; mistakes are reported, and the text behind them is read."""
+        """The whole text; mistakes are reported, and the text after them is read."""
         found: list[Statement] = []
         subprograms: list[Subprogram] = []
         statement: Span | None = None
@@ -106,7 +106,7 @@ class SectionParser(StatementParser):
         return names
 
     def _type(self) -> tuple[Type, str]:
-        """The type behind a colon, and how it is written."""
+        """The type after a colon, and how it is written."""
         token = self.lexer.take()
         if token.low in DECLARABLE:
             return DECLARABLE[token.low], token.low
@@ -133,7 +133,7 @@ class SectionParser(StatementParser):
         return self._groups(self._variables, ":")
 
     def _groups(self, read: Callable[[Token | None], Statement], sign: str) -> list[Statement]:
-        """Declarations behind one word; each may have a mistake of its own."""
+        """Declarations after one word; each may have a mistake of its own."""
         word: Token | None = self.lexer.take()
         found: list[Statement] = []
         while word is not None or self._goes_on(sign):
@@ -148,7 +148,7 @@ class SectionParser(StatementParser):
         return found
 
     def _variables(self, word: Token | None) -> Statement:
-        """names : type; word: ``var`` where it stands before them."""
+        """names : type; word: ``var`` where it is before them."""
         names = self._names()
         self.expect(":", f"after {names[-1].text!r}")
         type_, written = self._type()
@@ -160,7 +160,7 @@ class SectionParser(StatementParser):
         return self._groups(self._constant, "=")
 
     def _constant(self, word: Token | None) -> Statement:
-        """name = value; word: ``const`` where it stands before it."""
+        """name = value; word: ``const`` where it is before it."""
         name = self._name_to_declare()
         self.expect("=", f"after {name.text!r}")
         begin = self.lexer.peek()

@@ -50,7 +50,7 @@ class ExpressionParser:
     def report(
         self, code: Code, first: Token, last: Token | None = None, /, *, hint: str = "", **values: object
     ) -> None:
-        """A violation behind which reading goes on."""
+        """A violation after which reading goes on."""
         self.symbols.report(self.lexer.finding(code, first, last, hint=hint, **values))
 
     def whole(self) -> tuple[Expr, Type]:
@@ -94,7 +94,7 @@ class ExpressionParser:
         return left
 
     def _sum(self) -> tuple[Expr, Type]:
-        """Products between + - or xor; a sign at the beginning stands before the whole first product."""
+        """Products between + - or xor; a sign at the start is before the whole first product."""
         first = self.lexer.peek()
         if first.low not in ("+", "-") or first.kind != "op":
             left = self._product()
@@ -109,7 +109,7 @@ class ExpressionParser:
         return left
 
     def _product(self, start: tuple[Expr, Type] | None = None, sign: Token | None = None) -> tuple[Expr, Type]:
-        """Factors between * / div mod and shl shr. sign: what stands before; start: a number that was read with it."""
+        """Factors between * / div mod and shl shr. sign: what is before; start: a number that was read with it."""
         first = sign if start is not None and sign is not None else self.lexer.peek()
         left = start or self._factor()
         inner_sign = False
@@ -130,7 +130,7 @@ class ExpressionParser:
     def _joined(
         self, first: Token, left: tuple[Expr, Type], operand: Callable[[], tuple[Expr, Type]], *, signed: bool = False
     ) -> tuple[Expr, Type]:
-        """left, an operator that comes next, and what ``operand`` reads behind it."""
+        """left, an operator that comes next, and what ``operand`` reads after it."""
         word = self.lexer.take()
         self.operators += 1
         if self.operators > MAX_OPERATORS:
@@ -367,7 +367,7 @@ class ExpressionParser:
 
 
 def string_value(text: str) -> str:
-    """What stands between the quotes; two single ones are one."""
+    """What is between the quotes; two single ones are one."""
     return text[1:-1] if text[0] == '"' else text[1:-1].replace("''", "'")
 
 

@@ -28,7 +28,7 @@ _BLANK = re.compile(r"[ \t\r\f\v\n]*")
 
 
 class Place(NamedTuple):
-    """Where a text stands: file, line, and how many characters of its line stand before it."""
+    """Where a text is: file, line, and how many characters of its line stand before it."""
 
     file: str
     line: int
@@ -48,7 +48,7 @@ class Token(NamedTuple):
 
 
 class Comment(NamedTuple):
-    """A comment (or the part of one that stands in this line), with its signs."""
+    """A comment (or the part of one that is in this line), with its signs."""
 
     text: str
     row: int
@@ -57,11 +57,11 @@ class Comment(NamedTuple):
 
 
 class PascalError(Refusal):
-    """A mistake behind which reading does not go on: carries its finding."""
+    """A mistake after which reading does not go on: carries its finding."""
 
 
 class Lexer:
-    """Tokens of ``lines`` from character ``at`` of the first, made as they are asked for."""
+    """Tokens of ``lines`` from character ``at`` of the first, made as they are requested."""
 
     def __init__(self, lines: Sequence[str], place: Place, at: int = 0) -> None:
         self.lines = lines
@@ -73,7 +73,7 @@ class Lexer:
         self._opened = self._ended = False
 
     def peek(self, ahead: int = 0) -> Token:
-        """The token that many behind the next one; the last has the kind ``end``."""
+        """The token that many after the next one; the last has the kind ``end``."""
         index = self.index + ahead
         while index >= len(self._tokens):
             if self._ended:
@@ -122,7 +122,7 @@ class Lexer:
         self._ended = True
 
     def _next_row(self) -> None:
-        """Go on with the next line, behind a comment that is open."""
+        """Go on with the next line, after a comment that is open."""
         self._row, self._at = self._row + 1, 0
         if self._opened and self._row < len(self.lines):
             line = self.lines[self._row]
@@ -132,7 +132,7 @@ class Lexer:
             self.comments.append(Comment(line[: self._at], self._row, 0, self._at))
 
     def span(self, first: Token, last: Token | None = None) -> Span:
-        """From a token to another; to the end of its own line when the other stands in a further one."""
+        """From a token to another; to the end of its own line when the other is in a further one."""
         last = last or first
         place = self.place
         shift = place.column if first.row == 0 else 0

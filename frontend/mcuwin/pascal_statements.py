@@ -63,7 +63,7 @@ class StatementParser(CommandParser):
         return tuple(found)
 
     def separator(self, ends: tuple[str, ...]) -> None:
-        """The semicolon behind a statement, which may be missing before one of ``ends`` and at the end of the text."""
+        """The semicolon after a statement, which may be missing before one of ``ends`` and at the end of the text."""
         token = self.lexer.peek()
         if token.text == ";":
             self.lexer.take()
@@ -74,7 +74,7 @@ class StatementParser(CommandParser):
             raise self.lexer.error(codes.SYNTAX, token, what=what)
 
     def pass_mistake(self, before: int, ends: tuple[str, ...]) -> None:
-        """Goes on behind the next semicolon, or before what may close the block."""
+        """Goes on after the next semicolon, or before what may close the block."""
         if self.lexer.index == before:
             self.lexer.take()
         while True:
@@ -85,7 +85,7 @@ class StatementParser(CommandParser):
                 return
 
     def statement(self) -> Statements:
-        """One statement, without the semicolon behind it; a compound gives its statements."""
+        """One statement, without the semicolon after it; a compound gives its statements."""
         token = self.lexer.peek()
         self.depth += 1
         if self.depth > MAX_DEPTH:
@@ -176,7 +176,7 @@ class StatementParser(CommandParser):
         return (Repeat(condition=condition, body=body, span=self.lexer.span(first), end_span=end),)
 
     def for_head(self) -> tuple[Variable | None, Expr, Expr, bool, Token]:
-        """for v := a to b do: (variable, first, last, falling, the word do), behind ``for``."""
+        """for v := a to b do: (variable, first, last, falling, the word do), after ``for``."""
         name = self.lexer.peek()
         variable, type_ = self.target("counted")
         if type_ not in (Type.INTEGER, Type.UNKNOWN):

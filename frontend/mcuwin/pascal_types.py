@@ -69,7 +69,7 @@ class Symbol(NamedTuple):
 class Symbols:
     """Declared names of a job, and the settings that decide how names and functions are read.
 
-    findings: what takes the violations that reading goes on behind; axes: letters of the machine's axes in its order;
+    findings: what takes the violations that reading goes on after; axes: letters of the machine's axes in its order;
     case_sensitive: None where nobody stated it: names are then found in any case, and one that is written in two ways
     is UNKNOWN; angle_unit: ``radians`` or ``degrees``.
     """

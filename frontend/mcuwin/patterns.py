@@ -2,7 +2,7 @@
 
 A *run* is a row of digits. Two lines have one shape when they differ only in runs that are literal numbers, the line
 number or a label's number, and in the comment at the end. The nodes of one of them with the columns, numbers and
-comment of the other are then what reading the other gives: no token begins or ends elsewhere.
+comment of the other are then what reading the other gives: no token starts or ends elsewhere.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _LABEL = re.compile(r"[Ll][ \t]*\Z")
 
 
 class UnfitError(Exception):
-    """The nodes of a line can not be made again."""
+    """The nodes of a line cannot be made again."""
 
 
 def lengths(runs: Sequence[str]) -> list[int]:
@@ -92,7 +92,7 @@ def pattern_of(
     """The pattern of the nodes of a line; UnfitError where there is none.
 
     runs: begin and end of each; comment: the one at the end, which no other comment of the line equals; number: the
-    run that is the line number; labels: a run behind L is a label's number.
+    run that is the line number; labels: a run after L is a label's number.
     """
     maker = _Maker(text, file, line, runs, comment, labels)
     parts = tuple([maker.part(node) for node in nodes])
@@ -182,7 +182,7 @@ class _Maker:
         return lambda spans, values: Number(values[value], place(spans, values), point)
 
     def _label(self, node: Label | Jump | Call) -> Part:
-        """The name of a label, by the run behind its L."""
+        """The name of a label, by the run after its L."""
         begin, end = node.span.column - 1, node.span.end_column - 1
         for i, run in enumerate(self.runs):
             if begin <= run[0] and run[1] <= end and _LABEL.search(self.text, begin, run[0]):

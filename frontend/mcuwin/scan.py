@@ -115,7 +115,7 @@ _KINDS = {
     "N": k.NUMBER, "zero": k.DIGIT, "low": k.DIGIT, "digit": k.DIGIT, "point": k.POINT, "minus": k.MINUS,
     "feed": k.FEED, "quote": k.COMMENT, "open": k.COMMENT,
 }  # fmt: skip
-"""Nothing but comments stands after a comment in brackets."""
+"""Nothing but comments is after a comment in brackets."""
 
 
 def _kind(byte: int, scanner: Scanner) -> int:

@@ -1,8 +1,8 @@
 """How large a compiled McuWIN program is, by estimate (manual 13.1.1.13).
 
 The manual gives the largest size (100,000 bytes, SZTSK3) and not how a program is compiled. Between bounds: each word
-needs 4 bytes at the least (a number of single precision, nothing for its letter) and, with what adds, takes and finds
-it, each node of an expression 40 at the most; each line of the source 48 for its number and the call of its code.
+needs 4 bytes at least (a number of single precision, nothing for its letter) and, with what adds, takes and finds
+it, each node of an expression 40 at most; each line of the source 48 for its number and the call of its code.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def judge_size(
     """
     lines = sum(source.line_count for source in program.files)
     size = sum(len(source.data) for source in program.files)
-    # A node takes a character of the source at the least.
+    # A node takes a character of the source at least.
     if size * MOST_NODE + lines * MOST_LINE <= allowed:
         return None
     counter = _Counter(program, allowed)

@@ -1,7 +1,7 @@
 """The ``$`` lines of a McuWIN program put together, and its text cut into modules (manual 7 to 10, 4.16, 5.1).
 
 A ``$`` line either opens, divides or closes a block (``$if … then begin``, ``$end else begin``, ``$end``) or is whole
-statements of rw_SymPas. Percent signs cut the text: each begins a section, with or without a name, and ends the one
+statements of rw_SymPas. Percent signs cut the text: each starts a section, with or without a name, and ends the one
 before it.
 """
 
@@ -50,7 +50,7 @@ _HEADS = ("if", "while", "for", "repeat")
 
 @record(slots=True)
 class Section:
-    """The text behind a percent sign. name: as labels have it, "" without; broken: a line of it was refused."""
+    """The text after a percent sign. name: as labels have it, "" without; broken: a line of it was refused."""
 
     name: str
     span: Span
@@ -71,7 +71,7 @@ def does_something(node: Statement) -> bool:
 
 @record(slots=True)
 class _Open:
-    """A block that is open. kind: its first word, "" where a mistake leaves it open; body: what stands in it now;
+    """A block that is open. kind: its first word, "" where a mistake leaves it open; body: what is in it now;
     then: of an if, its first part.
     """
 
@@ -117,7 +117,7 @@ class Structure:
         self.body.extend(nodes)
 
     def refused(self, finding: Finding, text: str) -> None:
-        """A line that can not be read, in its place: it may have changed anything."""
+        """A line that cannot be read, in its place: it may have changed anything."""
         self.section.broken = True
         self.add((Mistake(
             code=finding.code.number, message=finding.message, span=finding.span, text=text.strip(), hint=finding.hint,
@@ -140,7 +140,7 @@ class Structure:
             self._close(None)
 
     def pascal(self, text: str, at: int, file: str, line: int, known: Dollar | None = None) -> Dollar | None:
-        """A ``$`` line, from behind its sign; findings for its mistakes. known: what it is, when that is known.
+        """A ``$`` line, from after its sign; findings for its mistakes. known: what it is, when that is known.
 
         Returns what it is, None for a mistake. Whole statements the caller adds.
         """
@@ -210,7 +210,7 @@ class Structure:
             self._push(_Open("if", found.span, condition=found.condition, outer=frame), frame.depth)
 
     def _reopen(self, span: Span) -> None:
-        """``$else`` on a line of its own behind the ``$end`` of an if."""
+        """``$else`` on a line of its own after the ``$end`` of an if."""
         node = self.body[-1] if self.body else None
         if not isinstance(node, If) or node.end_span is None or node.else_span is not None:
             raise Refusal(codes.UNBALANCED_BLOCK.at(span, what="this else has no if"))
@@ -218,7 +218,7 @@ class Structure:
         self._push(_Open("if", node.span, list(node.then), node.condition))
 
     def _keep_balance(self, lexer: Lexer) -> None:
-        """What a line with a mistake does to the blocks, so that the lines behind it are still understood."""
+        """What a line with a mistake does to the blocks, so that the lines after it are still understood."""
         first = last = lexer.take()
         while lexer.peek().kind != "end":
             last = lexer.take()

@@ -1,6 +1,6 @@
 """The text of a McuWIN program line by line: DIN lines, ``$`` lines, and sections of rw_SymPas (manual 7 to 12).
 
-What stands before the first percent sign may be declarations with ``$DINEND`` or without; a section ends with
+What is before the first percent sign may be declarations with ``$DINEND`` or without; a section ends with
 ``{$DINSTART}``.
 """
 
@@ -85,7 +85,7 @@ class Text:
 
     @contextmanager
     def aside(self) -> Iterator[None]:
-        """Reads what gives names only: statements, findings and what is in force are as before behind it."""
+        """Reads what gives names only: statements, findings and what is in force are as before after it."""
         kept = self.findings, self.structure, self.procedures, self.persistence.state
         self.findings = self.symbols.findings = Findings()
         self.structure = Structure(self.symbols, self.persistence, self.findings, self.structure.sections[0].span)
@@ -118,7 +118,7 @@ class Text:
             at = text.index("\r")
             what = "a carriage return without a line feed in the line"
             if self.pascal:
-                # The lines of a section are counted: one that can not be read is an empty one.
+                # The lines of a section are counted: one that cannot be read is an empty one.
                 self.first = self.first if self.lines else Place(file, number)
                 self.lines.append("")
             raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, at + 2), what=what))

@@ -21,7 +21,7 @@ from gproof.ir.same import difference
 
 
 def alone(machine: Machine, machine_file: Path | None, folder: Path | None, path: Path) -> Alone:
-    """How the file ``path`` is read, which stands in ``folder`` (None: nowhere): a program, or definitions."""
+    """How the file ``path`` is read, which is in ``folder`` (None: nowhere): a program, or definitions."""
     known = NO_SHOP if machine is NO_MACHINE else machine
     if path.name.lower() == MACRO_FILE:
         return Alone(

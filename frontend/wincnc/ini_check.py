@@ -1,6 +1,6 @@
 """The settings of a WINCNC.INI judged by the table of keys, and their values in gproof's units.
 
-``Sheet`` has the settings by key, those of each axis together; a value that can not be is a finding at its place.
+``Sheet`` has the settings by key, those of each axis together; a value that cannot be is a finding at its place.
 What a known key has beyond the manual is UNKNOWN where a job rests on the key, else a warning.
 Source: WinCNC manual, "System Configuration".
 """
@@ -37,7 +37,7 @@ class Sheet:
     """What a file says.
 
     unit: millimetres in one of its units; letters: of its axes in order; columns: by letter; settings: by key, those
-    that belong to no axis; axes: by key for each axisspec=; not_modelled: what is on and can not be followed.
+    that belong to no axis; axes: by key for each axisspec=; not_modelled: what is on and cannot be followed.
     """
 
     def __init__(self, ini: IniFile) -> None:
@@ -58,11 +58,11 @@ class Sheet:
         return self.settings.get(key, [])
 
     def one(self, key: str) -> Setting | None:
-        """The setting of a key that stands once."""
+        """The setting of a key that is once."""
         return next(iter(self.all(key)), None)
 
     def value(self, key: str, letter: str) -> Fraction | None:
-        """The number behind a letter of a key, as written."""
+        """The number after a letter of a key, as written."""
         return number(self.one(key), letter)
 
     def bare(self, key: str) -> Fraction | None:
@@ -153,7 +153,7 @@ class Sheet:
         return found
 
     def _letters(self) -> tuple[str, dict[str, str]]:
-        """The letters of axischar= and the column of each; ("", {}) when they can not be."""
+        """The letters of axischar= and the column of each; ("", {}) when they cannot be."""
         setting = next((one for one in self.ini.settings if one.key == "axischar"), None)
         if setting is None:
             # It belongs above the first axis.
@@ -198,7 +198,7 @@ class Sheet:
             self.ini.bad(setting, f"given again{of_axis} with another value than in line {before[0].line}")
 
     def _judged(self, setting: Setting, rule: KeyRule) -> Setting | None:
-        """The setting with its words; None, with a finding, when its value can not be."""
+        """The setting with its words; None, with a finding, when its value cannot be."""
         if rule.bare.startswith("="):
             value = exact(setting.text)
             if value is not None:
@@ -274,7 +274,7 @@ class Sheet:
 
 
 def number(setting: Setting | None, letter: str) -> Fraction | None:
-    """The number behind a letter of a setting, or None."""
+    """The number after a letter of a setting, or None."""
     word = None if setting is None else setting.word(letter)
     return None if word is None else word.value
 

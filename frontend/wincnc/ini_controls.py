@@ -23,7 +23,7 @@ from gproof.ir.settings import HomingLine, KnifeMode, SawMode, TorchControl, Wor
 
 ARC_ERROR = Fraction(1, 100)
 COMMENT_SIGNS = "[(%"
-"""Signs that begin a comment without comchars= too."""
+"""Signs that start a comment without comchars= too."""
 SMALLEST_ARC = Fraction(2, 1000)
 """Defaults of arc_err= and arc_min=, in the file's unit."""
 

@@ -20,7 +20,7 @@ from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.record import record
 
 ENDS_OF_QUOTES = {'"': '"', "“": '”“"', "”": '”“"', "„": '”“"'}
-"""What ends a text that begins with this mark: straight quotes, and those that editors make of them."""
+"""What ends a text that starts with this mark: straight quotes, and those that editors make of them."""
 
 _END_OF_LINE = re.compile(r"\r\n|\r|\n")
 _SETTING = re.compile(r"\s*(?P<key>[A-Za-z0-9_]+)\s*=\s*(?P<value>.*)", re.ASCII | re.DOTALL)
@@ -35,7 +35,7 @@ LONGEST_LINE = 256
 
 @record(frozen=True, slots=True)
 class Word:
-    """A letter and what stands behind it. letter: upper case; value: the number exactly, None for a text.
+    """A letter and what comes after it. letter: upper case; value: the number exactly, None for a text.
 
     text: as written, a quoted text without its quotes; column, end_column: from 1, of all of it.
     """
@@ -49,9 +49,9 @@ class Word:
 
 @record(frozen=True, slots=True)
 class Setting:
-    """A line. key: lower case; shown: as written; text: its value without comments; value_column: where it begins.
+    """A line. key: lower case; shown: as written; text: its value without comments; value_column: where it starts.
 
-    column, end_column: of the key; words: its letters, for keys that have some; first: no other one stands above it.
+    column, end_column: of the key; words: its letters, for keys that have some; first: no other one is above it.
     """
 
     key: str
@@ -72,7 +72,7 @@ class Setting:
 class IniFile:
     """The settings of a file in order, and the findings about it.
 
-    stated: what a machine file that refines this one states anew (``replaced``); columns: of axes by letter, axis_of:
+    stated: what a machine file that refines this one states again (``replaced``); columns: of axes by letter, axis_of:
     by the line of a setting that belongs to one.
     """
 
@@ -93,7 +93,7 @@ class IniFile:
         self.findings.add(code.at(Span(self.name, line, column, end_column), **values))
 
     def bad(self, setting: Setting, what: str, word: Word | None = None) -> None:
-        """A finding for the value of a setting, or for one letter of it, unless it is stated anew."""
+        """A finding for the value of a setting, or for one letter of it, unless it is stated again."""
         if self.is_replaced(setting, "" if word is None else word.letter):
             return
         if word is not None:
@@ -200,9 +200,9 @@ class IniFile:
 
 
 def _signs(text: str) -> str:
-    """The value of comchars=. A bracket in it that is not closed, or behind which another one opens, is a sign.
+    """The value of comchars=. A bracket in it that is not closed, or after which another one opens, is a sign.
 
-    Behind a blank it begins a comment, as everywhere else.
+    Behind a blank it starts a comment, as everywhere else.
     """
     if len(text) > LONGEST_LINE:
         return without_comments(text).rstrip()
@@ -220,7 +220,7 @@ def _signs(text: str) -> str:
 
 
 def without_comments(line: str) -> str:
-    """The line with blanks in place of what stands in square brackets, so that columns stay.
+    """The line with blanks in place of what is in square brackets, so that columns stay.
 
     A bracket within quotes belongs to the text; one that is not closed reaches to the end of the line.
     """

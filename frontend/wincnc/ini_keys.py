@@ -6,7 +6,7 @@ drive the reader (``machine_ini``) and the documentation (docs/dialects/wincnc-t
 Kinds of values: ``length`` (in the file's unit), ``feed`` (units a minute), ``acceleration`` (units a minute a
 second), ``steps`` (a unit), ``degrees``, ``seconds``, ``percent``, ``number``, ``whole``, ``switch`` (0 or 1),
 ``channel`` (of an input or output), ``axis`` (number of an axis, 0 for the first of axischar=), ``text`` and
-``letters`` (in quotes). A range behind a kind (``whole 0..3``), else that of the manual, is checked, except in keys
+``letters`` (in quotes). A range after a kind (``whole 0..3``), else that of the manual, is checked, except in keys
 that are only kept. Of an axis that turns, ``length`` means degrees.
 
 ``touches`` says which jobs a letter that the manual does not name makes UNKNOWN (names of ``ir/machine.py: TOUCHES``;

@@ -1,7 +1,7 @@
 """One line of a WinCNC program that is not plain: its items, as they stand.
 
 A line is words (a letter with a number, an expression in braces, or nothing, which counts as 0), texts in double
-quotes behind a letter, a name behind some commands, and comments at its end (manual: Command Reference, Axis
+quotes after a letter, a name after some commands, and comments at its end (manual: Command Reference, Axis
 Specification, Comment, Braces; Macro File Configuration for the tilde). What the items mean is ``statements.py``'s.
 """
 
@@ -62,8 +62,8 @@ class NumberedLine(LineError):
 class Items:
     """A line that was read.
 
-    words: in order; texts: those in quotes, by the letter before; own: it begins with a tilde; rest: the text behind
-    the word that ``rest_after`` asked for, and where it begins; comment: the last one's text, "" for none; end: of the
+    words: in order; texts: those in quotes, by the letter before; own: it starts with a tilde; rest: the text after
+    the word that ``rest_after`` asked for, and where it starts; comment: the last one's text, "" for none; end: of the
     code, in characters.
     """
 
@@ -81,7 +81,7 @@ _CONTINUED = TEXT_AFTER_COMMENT.hint
 
 
 class LineReader:
-    """Reads lines with the settings of one machine. text_codes: letter and tenths of codes with a text behind them."""
+    """Reads lines with the settings of one machine. text_codes: letter and tenths of codes with a text after them."""
 
     def __init__(self, lexical: Lexical, text_codes: frozenset[tuple[str, int]]) -> None:
         self.signs = COMMENT_SIGNS + lexical.comment_signs
@@ -95,7 +95,7 @@ class LineReader:
         """Whether numbers of lines were met, where they do nothing."""
 
     def cut(self, text: str) -> tuple[str, str]:
-        """A line without its comments, and the last comment; LineError GP134 for text behind a closed one."""
+        """A line without its comments, and the last comment; LineError GP134 for text after a closed one."""
         at, quoted = 0, False
         while at < len(text) and (quoted or text[at] not in self.signs):
             quoted ^= text[at] == '"'
@@ -155,7 +155,7 @@ class LineReader:
         return _skip(code, end + 1)
 
     def _value(self, code: str, begin: int, at: int, file: str, line: int) -> tuple[Expr, int]:
-        """The number or braces behind a letter, which ends at ``at`` (blanks passed); where it ends."""
+        """The number or braces after a letter, which ends at ``at`` (blanks passed); where it ends."""
         if code[at : at + 1] == "{":
             end = code.find("}", at)
             if end < 0:
@@ -169,7 +169,7 @@ class LineReader:
         return _literal(text, span), found.end()
 
     def braces(self, code: str, begin: int, end: int, file: str, line: int) -> Expr:
-        """What stands in code[begin + 1:end]: a name or number, and at most one operator with a number."""
+        """What is in code[begin + 1:end]: a name or number, and at most one operator with a number."""
         found = _INSIDE.match(code, begin + 1, end)
         span = Span(file, line, begin + 1, end + 2)
         if found is None:

@@ -50,7 +50,7 @@ from gproof.ir.program import (
 from gproof.ir.record import record
 
 _FILE_NAME = re.compile(r"[^\s=]*[A-Za-z_][^\s=]*\.[A-Za-z]\w{0,3}")
-"""What can be nothing but the name of a file: a command has no letters behind a point."""
+"""What can be nothing but the name of a file: a command has no letters after a point."""
 MOST_IN_A_ROW = 8
 """Lines that decide about the next line, one after the other: each doubles what may run, and nobody writes three."""
 HELD_LINES = 2000
@@ -63,7 +63,7 @@ def load_program(
 ) -> Program | None:  # fmt: skip
     """The program in ``path`` with all it calls; None when the job's file is refused.
 
-    machine: whose settings say how lines are read; machine_file: beside which CNC.MAC and subprograms may lie, as
+    machine: whose settings say how lines are read; machine_file: beside which CNC.MAC and subprograms may be, as
     beside the files that it refines (``beside``). A line
     with a mistake is a finding and left out of the program.
     """
@@ -230,7 +230,7 @@ class _Loader:
 
     def _macro_file(self) -> None:
         """CNC.MAC, beside the machine's file or the job."""
-        # The shop's own comes before one that lies beside a job in another folder.
+        # The shop's own comes before one that is beside a job in another folder.
         for folder in [*self.files.folders[1:], self.files.folders[0]]:
             found = self.macro_path or CalledFiles([folder]).below(folder, [MACRO_FILE])
             if found is not None:
@@ -251,7 +251,7 @@ class _Loader:
             )
 
     def _command(self, name: str, text: str) -> tuple[Statement, ...]:
-        """What a setting runs before or behind the job, at its place in the machine's file."""
+        """What a setting runs before or after the job, at its place in the machine's file."""
         if not text.strip():
             return ()
         file = str(self.machine_file) if self.machine_file is not None else "(machine file)"
@@ -400,7 +400,7 @@ class _Walk:
         return BlockTable(file=self.file, first_line=first, last_line=last, begin=begin, end=end, words=words)
 
     def _take(self) -> tuple[int, bytes]:
-        """The line that begins here, whether it is plain or not."""
+        """The line that starts here, whether it is plain or not."""
         at = self.data.find(b"\n", self.byte)
         end = len(self.data) if at < 0 else at + 1
         if self.next_special < len(self.special) and self.special[self.next_special][1] == self.byte:
@@ -435,7 +435,7 @@ class _Walk:
             return _mistake(finding, text, told=told)
 
     def _skip(self, text: str, line: int) -> Statement | None:
-        """A line that begins with a skip character: leave lines out; which, the manual leaves open by one."""
+        """A line that starts with a skip character: leave lines out; which, the manual leaves open by one."""
         count = skip_count(text, self.loader.controls.lexical)
         if not count:
             return None
@@ -513,7 +513,7 @@ class _Walk:
 
 @record(frozen=True, slots=True)
 class _Taken:
-    """A line behind a condition: what runs when it does and when not; why: which line is meant is not known."""
+    """A line after a condition: what runs when it does and when not; why: which line is meant is not known."""
 
     then: tuple[Statement, ...] = ()
     otherwise: tuple[Statement, ...] = ()
@@ -531,7 +531,7 @@ def _switch(words: Iterable[tuple[int, float | None]], torch: int | None) -> boo
 
 
 def _mistake(finding: Finding, text: str, *, told: bool = False) -> Mistake:
-    """A line that can not be read, in its place; told: its finding is reported."""
+    """A line that cannot be read, in its place; told: its finding is reported."""
     return Mistake(
         code=finding.code.number, message=finding.message, span=finding.span, text=text.strip(), hint=finding.hint,
         told=told,

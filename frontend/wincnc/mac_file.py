@@ -1,7 +1,7 @@
 """CNC.MAC: commands that a shop has defined, replaced or switched off.
 
 A line is ``NAME=command [comment]``. NAME is that of a code (``M3``, ``G28``, ``L5.1``) or a word of one's own; what
-stands behind the equals sign is one command, ``[`` alone for none: the code is then passed over.
+is after the equals sign is one command, ``[`` alone for none: the code is then passed over.
 Source: WinCNC manual, "Macro File Configuration"; comments as in programs ("Parameters: Comment", comchars=). "Braces"
 says that variables are defined in this file too, and not how: what can be no command is UNKNOWN.
 """
@@ -22,7 +22,7 @@ from gproof.ir.program import SourceFile
 from gproof.ir.record import record
 
 COMMENT_SIGNS = "[(%"
-"""Signs that begin a comment wherever they stand, besides those of comchars=."""
+"""Signs that start a comment wherever they stand, besides those of comchars=."""
 
 _END_OF_LINE = re.compile(rb"\r\n|\r|\n")
 _CLOSED_BY = {"[": "]", "(": ")"}
@@ -40,7 +40,7 @@ class Macro:
 
     name: upper case, a code without leading zeros: ``M3`` for ``m03``; label: as written; text: its command as written,
     "" for a code that is switched off; span: of the line, its columns those of the text; column: where the text begins,
-    from 1; continued: words of the text stand behind a closed comment, numbered: the line has a number of its own, both
+    from 1; continued: words of the text stand after a closed comment, numbered: the line has a number of its own, both
     of which the shop's controller takes.
     """
 
@@ -141,7 +141,7 @@ def _macro(
     end = end_of_command(line, begin, signs)
     goes_on = continued and end < len(line) and behind_comments(line, end, signs) < len(line)
     while continued and end < len(line) and (after := behind_comments(line, end, signs)) < len(line):
-        # The shop's controller takes what stands there: as if the comment were blanks.
+        # The shop's controller takes what is there: as if the comment were blanks.
         line = line[:end] + " " * (after - end) + line[after:]
         begin = len(line) - len(line.partition("=")[2].lstrip())
         end = end_of_command(line, begin, signs)
@@ -161,7 +161,7 @@ def _macro(
 
 
 def end_of_command(line: str, begin: int, signs: str) -> int:
-    """Where a comment begins, at ``begin`` or behind; a sign within a text in quotes is none."""
+    """Where a comment begins, at ``begin`` or after; a sign within a text in quotes is none."""
     at = begin
     while at < len(line):
         sign = line[at]
@@ -175,7 +175,7 @@ def end_of_command(line: str, begin: int, signs: str) -> int:
 
 
 def _tell_what_follows(file: str, number: int, line: str, at: int, findings: Findings, signs: str) -> bool:
-    """GP134 for words behind a closed comment; whether there are any."""
+    """GP134 for words after a closed comment; whether there are any."""
     at = behind_comments(line, at, signs)
     if at < len(line):
         span = Span(file, number, at + 1, len(line.rstrip()) + 1)
@@ -184,7 +184,7 @@ def _tell_what_follows(file: str, number: int, line: str, at: int, findings: Fin
 
 
 def behind_comments(line: str, at: int, signs: str) -> int:
-    """Where words stand behind the closed comments that begin at ``at``; the line's length where none do."""
+    """Where words stand after the closed comments that begin at ``at``; the line's length where none do."""
     while at < len(line) and line[at] in _CLOSED_BY:
         closing = line.find(_CLOSED_BY[line[at]], at)
         if closing < 0:

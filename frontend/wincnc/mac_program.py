@@ -1,7 +1,7 @@
 """CNC.MAC alone as a Program of definitions, to be printed again.
 
 A line that defines a command is a ``Definition``; one of which the manual leaves open what it is (a variable, words
-behind a closed comment) a ``Mistake`` that stays as it is. Manual: Macro File Configuration; Braces; Comment.
+after a closed comment) a ``Mistake`` that stays as it is. Manual: Macro File Configuration; Braces; Comment.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Source: WinCNC manual, "System Configuration: WINCNC.INI Settings". ``ini_keys`` says for every key what gproof makes of
 it, docs/dialects/wincnc.md where the manual is open. Keys without a bearing on a job are kept as text; one that is not
-known at all is kept and reported (GP602); one that is on and that gproof can not follow goes into
+known at all is kept and reported (GP602); one that is on and that gproof cannot follow goes into
 ``Machine.not_modelled`` (GP605). Any other mistake is told at its line and column, and there is no Machine.
 """
 
@@ -48,7 +48,7 @@ def load_wincnc_ini(
 ) -> tuple[Machine | None, Files]:  # fmt: skip
     """The machine, and (name, sha256) of the file read; None, with findings, when it is bad.
 
-    stated: what a file that refines this one states anew (``replaced``), so that it is not judged here.
+    stated: what a file that refines this one states again (``replaced``), so that it is not judged here.
     """
     name = str(path)
     try:

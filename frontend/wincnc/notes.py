@@ -26,7 +26,7 @@ Found = tuple[int, NoteKind, int, bytes]
 
 
 def skip_count(text: str, lexical: Lexical) -> int:
-    """How many lines are left out where a line begins like this one, itself counted; 0: none."""
+    """How many lines are left out where a line starts like this one, itself counted; 0: none."""
     first = text[:1].upper()
     return next((count for signs, count in lexical.skips if first and first in signs.upper()), 0)
 
@@ -42,7 +42,7 @@ class Annotator:
     def annotate(self, data: bytes, begin: int, line: int, limit: int) -> tuple[Notes, int, int]:
         """Notes of the lines from byte ``begin``, which starts line ``line``; see ``Program.load_notes``.
 
-        Stops at the first line end at or behind ``begin + limit`` whose next line is not left out.
+        Stops at the first line end at or after ``begin + limit`` whose next line is not left out.
         """
         if begin == 0 and data[:3] == UTF8_MARK:
             begin = len(UTF8_MARK)
@@ -88,7 +88,7 @@ class Annotator:
 
 
 def comments(text: str, at: int, encoding: str) -> list[Found]:
-    """The comments of a line, the first of which begins at ``at``."""
+    """The comments of a line, the first of which starts at ``at``."""
     found: list[Found] = []
     place = int(bool(text[:at].strip(" \t")))
     while at < len(text):
@@ -103,13 +103,13 @@ def comments(text: str, at: int, encoding: str) -> list[Found]:
 
 
 def _column(before: bytes) -> int:
-    """The column behind ``before``, when it ends in more than one blank, else 0; see NOTE."""
+    """The column after ``before``, when it ends in more than one blank, else 0; see NOTE."""
     column = len(before.expandtabs(8))
     return column if column - len(before.rstrip(b" \t").expandtabs(8)) > 1 else 0
 
 
 def _left_out(collector: _Collector, data: bytes, begin: int, line: int) -> int:
-    """Take a line that is left out; where the next one begins."""
+    """Take a line that is left out; where the next one starts."""
     at = data.find(b"\n", begin)
     after = len(data) if at < 0 else at + 1
     raw = data[begin:after].rstrip(b"\n").rstrip(b" \t\r")

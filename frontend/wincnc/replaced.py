@@ -1,4 +1,4 @@
-"""Which settings of a WINCNC.INI a machine file that refines it (``base = "WINCNC.INI"``) states anew.
+"""Which settings of a WINCNC.INI a machine file that refines it (``base = "WINCNC.INI"``) states again.
 
 What such a file states takes the place of the controller's setting: a mistake in the setting is nobody's then, and it
 is not judged. ``*`` stands for the column of the axis, which the setting belongs to or whose letter the word has.
@@ -32,7 +32,7 @@ _OTHERS = {
 
 
 def is_replaced(stated: frozenset[Path], key: str, letter: str, column: str, columns: Mapping[str, str]) -> bool:
-    """Whether a setting's letter ("" for its only value) is stated anew.
+    """Whether a setting's letter ("" for its only value) is stated again.
 
     stated: see ``frontend/common/own_keys.py: key_paths``; column: of the axis that it belongs to, "" for none;
     columns: by letter.

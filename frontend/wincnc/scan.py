@@ -30,7 +30,7 @@ _CLASSES = (
     "blank letter named G zero low digit plus minus point square round close_square close_round comment skip odd"
     " return feed other"
 ).split()
-"""named: a letter that may begin the name of a macro; odd: closes comments, and begins one or has lines left out."""
+"""named: a letter that may start the name of a macro; odd: closes comments, and starts one or has lines left out."""
 
 
 def _class_of(byte: int, lexical: Lexical, names: str) -> str:
@@ -108,7 +108,7 @@ class Scanner:
     """The lines and words of a file with the settings of one machine.
 
     codes: G0 to G3 may stand in plain lines; names: letters that may not begin one, as names of macros do; open_names:
-    no line may begin with two letters, since which names macros have is not known.
+    no line may start with two letters, since which names macros have is not known.
     """
 
     lexical: Lexical = NO_LEXICAL
@@ -128,7 +128,7 @@ class Scanner:
 def scanner(lexical: Lexical, macros: Iterable[str]) -> Scanner:
     """The scanner of a machine whose macros have these names (in upper case, codes without leading zeros).
 
-    A line that begins with the name of a macro is not plain.
+    A line that starts with the name of a macro is not plain.
     """
     plain = [name for name in macros if set(name) <= set(f"{PLAIN_LETTERS}G.0123456789")]
     names = "".join(sorted({name[0] for name in plain} - {"G"}))
@@ -146,7 +146,7 @@ def _automata(scanner: Scanner) -> Automata:
 _KINDS = dict.fromkeys(_DIGITS, k.DIGIT) | {"point": k.POINT, "minus": k.MINUS, "feed": k.FEED} | dict.fromkeys(
     ("square", "round", "comment"), k.COMMENT
 )  # fmt: skip
-"""Nothing but comments stands after a comment, whatever begins it."""
+"""Nothing but comments is after a comment, whatever starts it."""
 
 
 def _kind(byte: int, lexical: Lexical) -> int:

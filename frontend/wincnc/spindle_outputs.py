@@ -2,7 +2,7 @@
 
 The language has no code for a spindle; shops define the codes that post processors write (manual: Macro File
 Configuration, whose example is an M3 that calls a file with M11C1). Nothing is taken from a definition with conditions,
-braces or lines that can not be read: what it leaves switched is not certain then, and ``output`` of the machine file
+braces or lines that cannot be read: what it leaves switched is not certain then, and ``output`` of the machine file
 has to say it.
 """
 

@@ -125,7 +125,7 @@ class Lines:
             raise LineError(codes.UNSUPPORTED_CODE, begin, end, code=what, hint=self.open_codes) from None
 
     def _open_name(self, code: str) -> str:
-        """The name that begins a line and that CNC.MAC may define without our knowing, "" where it can not.
+        """The name that starts a line and that CNC.MAC may define without our knowing, "" where it cannot.
 
         A code that the controller has keeps its meaning: that CNC.MAC may replace it is a finding of its own (GP607).
         """
@@ -145,7 +145,7 @@ class Lines:
         return word.group().upper() if word is not None and word.group()[1:2].isalpha() else ""
 
     def _number(self, code: str, file: str, line: int) -> tuple[int, int]:
-        """Where the number of a line begins and ends; 0, 0 where it has none, or where N is a word of its command."""
+        """Where the number of a line starts and ends; 0, 0 where it has none, or where N is a word of its command."""
         found = line_number(code)
         if found is None or "N" in self.macros:
             return 0, 0
@@ -157,7 +157,7 @@ class Lines:
         return len(code) - len(code.lstrip(" \t")), found.end()
 
     def _macro(self, code: str) -> tuple[Macro, int, int] | None:
-        """The macro whose name begins the line, and where the name begins and ends."""
+        """The macro whose name starts the line, and where the name starts and ends."""
         begin = len(code) - len(code.lstrip())
         if not self.macros or code[begin : begin + 1] == "~":
             return None
@@ -403,7 +403,7 @@ class FileFinder(Protocol):
 
 
 def _require_only(items: Items, rule: CodeRule, word: Word) -> None:
-    """LineError for what stands in the line of a command and is none of its words."""
+    """LineError for what is in the line of a command and is none of its words."""
     at = word.span.column - 1
     has_texts = rule.function is F.DIALOG
     for other in items.words:
@@ -415,7 +415,7 @@ def _require_only(items: Items, rule: CodeRule, word: Word) -> None:
 
 
 def _takes_text(parsed: Parsed | None, macro: str) -> bool:
-    """Whether what stands behind a macro may be read as a text, or as part of one."""
+    """Whether what comes after a macro may be read as a text, or as part of one."""
     if isinstance(parsed, Replaced):
         return any(_takes_text(node, macro) for node in parsed.body)
     if isinstance(parsed, Call):
@@ -435,6 +435,6 @@ def _at(value: Any, span: Span) -> Any:
 
 
 def text_codes(rules: LanguageRules) -> frozenset[tuple[str, int]]:
-    """Codes with a text behind them that is no word."""
+    """Codes with a text after them that is no word."""
     quoted = (F.DIALOG, F.STORE_POSITION, F.STORE_LOCAL_POSITION)
     return frozenset(code for code, rule in rules.codes.items() if rule.has_text and rule.function not in quoted)

@@ -103,7 +103,7 @@ MIRRORED_JOB = code(
     169, "mirrored-job", _W,
     "{code} mirrors {axes} from the first move to the end of the job; on other controllers it is a unit or a zone",
 )  # fmt: skip
-# 15x: what makes no sense, told where the property sense is asked for (docs/cutting-sense.md)
+# 15x: what makes no sense, reported when the property sense is required (docs/cutting-sense.md)
 UNITS_NEVER_SET = code(
     150,
     "units-never-set",

@@ -60,7 +60,7 @@ FEED_UNKNOWN = code(518, "feed-unknown", _U, "{code}: the feed depends on {cause
 NO_WAY = code(
     519, "no-way", _W, "{code} moves nothing: the controller reports a move without a path (status 80, 20 hex)"
 )
-# 53x, 54x: told where the properties cutting and feeds are asked for (docs/cutting-sense.md)
+# 53x, 54x: reported when the properties cutting and feeds are required (docs/cutting-sense.md)
 SPINDLE_AT_REST = code(
     530, "spindle-at-rest", _E, "feed moves while the spindle is stopped (number: {moves})", "cutting"
 )

@@ -1,7 +1,7 @@
 """What lines of controllers look like that others refuse: words and codes that only they have.
 
 Public documentation of each: LinuxCNC "G Code" and "O Codes"; Fanuc custom macro B and subprograms (M98 P, G65);
-Siemens 840D; Heidenhain Klartext; RepRap and Marlin; grbl commands that begin with $. The three that gproof reads by
+Siemens 840D; Heidenhain Klartext; RepRap and Marlin; grbl commands that start with $. The three that gproof reads by
 their manuals, as in ``frontend/common/detect.py``. Not for finding a language: a line counts only where the job's own
 controller refuses it.
 """

@@ -120,7 +120,7 @@ class ArcRadius(Check):
 
 
 def _onward(before: np.ndarray, to: np.ndarray, center: np.ndarray, plane: int, turns: int) -> bool:
-    """Whether the end lies a little ahead of the start, so that the arc is the short one."""
+    """Whether the end is a little ahead of the start, so that the arc is the short one."""
     u, v = {1: (0, 1), 2: (2, 0), 3: (1, 2)}[plane]
     u0, v0, u1, v1 = before[u] - center[u], before[v] - center[v], to[u] - center[u], to[v] - center[v]
     return bool((u0 * v1 - v0 * u1) * turns > 0.0)

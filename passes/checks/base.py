@@ -27,7 +27,7 @@ KEPT = 64
 
 
 class Like(TypedDict, total=False):
-    """For how many of its kind a finding stands: keyword arguments of ``Findings.add``."""
+    """For how many of its kind a finding is: keyword arguments of ``Findings.add``."""
 
     times: int
     first_line: int
@@ -36,7 +36,7 @@ class Like(TypedDict, total=False):
 
 @record(frozen=True, slots=True, eq=False)
 class Remains:
-    """What is left of a body, by larger cells: (ny, nx) heights that nothing of it stands above, -inf for nothing.
+    """What is left of a body, by larger cells: (ny, nx) heights that nothing of it is above, -inf for nothing.
 
     body: its place among those of the setup; grid: (x0, y0, hx, hy, floor, top), mm; before: what stood there
     before the job.
@@ -49,7 +49,7 @@ class Remains:
 
 
 ZeroAt = Callable[[int, int], Position]
-"""(coordinate system, 0 for the one in force; column) -> its zero when the job begins, in machine coordinates."""
+"""(coordinate system, 0 for the one in force; column) -> its zero when the job starts, in machine coordinates."""
 
 
 class Check(ABC):
@@ -172,7 +172,7 @@ def inward(low: float, high: float, to: str = " to ") -> str:
 
 
 def none_suits(span: Span, form: Affine, machine: Machine, *, known: Interval, safe: Interval, unit: str) -> Finding:
-    """GP303 of unknowns whose whole range lies on one side of what is safe."""
+    """GP303 of unknowns whose whole range is on one side of what is safe."""
     above = known.low > safe.high
     ends = (known.low, safe.high) if above else (known.high, safe.low)
     said = f"{round(known.low, 6) + 0.0:g} to {round(known.high, 6) + 0.0:g}"

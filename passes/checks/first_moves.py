@@ -1,6 +1,6 @@
-"""Where a job begins to rest on something: its first move, and the first one under each frame.
+"""Where a job starts to rest on something: its first move, and the first one under each frame.
 
-What is said of a whole job has a line too: that of the move with which it begins to matter.
+What is said of a whole job has a line too: that of the move with which it starts to matter.
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ def added_checks(
 ) -> list[Check]:
     """A new check of each kind that the properties ``wanted`` need beyond those of the default policy.
 
-    zero: where zeros lie when the job begins, see ``base.ZeroAt``.
+    zero: where zeros lie when the job starts, see ``base.ZeroAt``.
     """
     names = set(wanted)
     made = [make for name in CHECKS if name in names for make in CHECKS[name]]

@@ -16,7 +16,7 @@ SHARE = 0.5
 
 
 def backlash_steps(drive: Drive) -> int:
-    """Whole steps that the motor makes to take up its backlash; 0 for one that can not move for lack of data."""
+    """Whole steps that the motor makes to take up its backlash; 0 for one that cannot move for lack of data."""
     if drive.steps_per_unit is None or drive.max_velocity is None or drive.max_acceleration is None:
         return 0
     return round(abs(Fraction(drive.backlash) * drive.steps_per_unit))

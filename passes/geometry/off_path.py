@@ -1,6 +1,6 @@
 """How far the tool may be beside the programmed path, for every check that looks at where the tool is.
 
-Takes a Machine and the ``State`` of rows. Backlash moves the tool: an axis whose motor turns round stays behind until
+Takes a Machine and the ``State`` of rows. Backlash moves the tool: an axis whose motor turns round stays after until
 it is taken up, or for good where nothing compensates it (Eding CNC manual 2.1.5; WinCNC, L8, L9, backlash=).
 P and Q of G64 and Q of G61 let the controller leave the path (Eding CNC manual 3.4.16). All of that need not be.
 Zones, part, fixtures and stock ask here, so that they agree; pitch tables bring an axis to where it is meant to be and

@@ -67,7 +67,7 @@ class _Lines:
 
     def _is_doubtful(self, block: Block) -> bool:
         if any(not letter for letter, _ in block.texts):
-            return False  # the name of a macro or a file, and what stands behind it
+            return False  # the name of a macro or a file, and what comes after it
         words = [(w.letter, w.value.value if isinstance(w.value, Number) else OPEN, w.span) for w in block.words]
         return self._problem(words, _bare(block.words), block.span)
 

@@ -1,6 +1,6 @@
 """Tangential knife: an axis that follows the direction of X-Y moves; Trace rows in, Trace rows out.
 
-Eding CNC manual 2.1.9. While the knife is on, G1, G2 and G3 have it point along them. Where a move begins in another
+Eding CNC manual 2.1.9. While the knife is on, G1, G2 and G3 have it point along them. Where a move starts in another
 direction than the knife has: by more than the knife angle, Z goes up by the lift distance (G0), the knife turns
 (G0), Z goes down again (G1); by less, the knife turns without Z; a move that is shorter than the blend distance and
 turns by less than the blend angle turns it on its way. Along an arc it turns with the arc. Readings where the manual

@@ -54,7 +54,7 @@ def shortest_interval(machine: Machine) -> int:
 
 
 def step_rate(machine: Machine) -> float:
-    """Steps a second that a motor may be asked for."""
+    """Steps a second that a motor may have to make."""
     board = machine.board
     seconds = 2.0 * board.step_pulse
     if machine.controller.max_step_frequency is not None:

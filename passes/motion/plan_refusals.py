@@ -1,7 +1,7 @@
 """Why a job has no plan: GP503 for places, feeds and times that are not numbers, GP504 for axes without data.
 
 Each cause is told once, at the first line that has it, with what would help (``motion_hints``); what only follows
-from another refusal (a place behind a probe's contact, where outcomes of a condition meet) is not told again.
+from another refusal (a place after a probe's contact, where outcomes of a condition meet) is not told again.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Refusals:
         self.trace, self.machine, self.findings = trace, machine, findings
         self.arcs_apart = rules is not None and rules.arcs_keep_feed
         self._told: set[object] = set()
-        # By whether arcs are meant: feeds not known; whether one was known; kinds behind a known one of the other.
+        # By whether arcs are meant: feeds not known; whether one was known; kinds after a known one of the other.
         self._feeds: dict[bool, list[Span]] = {}
         self._many = False
         self._had_feed = {False: False, True: False}
@@ -88,7 +88,7 @@ class Refusals:
         return False
 
     def _first_unknown(self, chunk: Chunk) -> tuple[int, list[tuple[str, Affine]]] | None:
-        """The first motion row, and by axis why, that begins or ends where an axis of the machine is not known."""
+        """The first motion row, and by axis why, that starts or ends where an axis of the machine is not known."""
         trace, rows, axes = chunk.trace, chunk.rows, self.machine.axes
         known = np.array([all(not frame[axis.index] for axis in axes) for frame in trace.frames])
         if known.all():

@@ -122,7 +122,7 @@ class Encoder:
             self._allocate()
 
     def flush(self, floor: int, ceiling: int) -> None:
-        """All steps into runs, none of them before ``floor`` or behind ``ceiling`` unless it is there already."""
+        """All steps into runs, none of them before ``floor`` or after ``ceiling`` unless it is there already."""
         self._encode(floor, ceiling, final=True)
 
     def rest(self, now: int) -> None:
@@ -165,8 +165,8 @@ class Encoder:
 class BacklashEncoder(Encoder):
     """Steps of an axis into runs of a motor that takes up its backlash.
 
-    ``steps`` is what the axis asks for; the motor's own steps wait in a buffer of their own. Where a section begins
-    and ends, the motor stands as it does when its axis came from below.
+    ``steps`` is what the axis asks for; the motor's own steps wait in a buffer of their own. Where a section starts
+    and ends, the motor is as it does when its axis came from below.
     """
 
     def __init__(self, spacing: Spacing, size: int, drive: Drive, start: int, tick_frequency: int) -> None:
@@ -212,7 +212,7 @@ class BacklashEncoder(Encoder):
         self._write(floor, ceiling, final=True)
 
     def rest(self, now: int) -> None:
-        """The motor goes where it stands when its axis came from below."""
+        """The motor goes where it is when its axis came from below."""
         self._way[k.B_GOAL] = 0.0
         self._motor.state[k.S_FLOOR] = 0
         self._rest(max(now, self.last + self.spacing.turn))

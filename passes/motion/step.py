@@ -339,7 +339,7 @@ class _Steps:
         self.motor[:, k.M_TO] = section.ends[:, index] * self.rate
         self._fill_arcs()
         self.target = nearest_counts(section.ends[:, index], exact, drive.pitch)
-        self.target[-1:] = self.end  # with moves behind it that are too short to be planned
+        self.target[-1:] = self.end  # with moves after it that are too short to be planned
         self.expected = self._expected()
         self.loops = PLAIN
         size = min(BUFFER, int(self.expected) + 64)

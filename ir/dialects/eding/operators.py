@@ -22,7 +22,7 @@ LEVEL = {operator: number for number, level in enumerate(LEVELS) for operator in
 """Operator -> its level; the higher one is performed first."""
 
 SIGN = "sign"
-"""Stands for a sign before something that is no number, where an operator is asked for."""
+"""Stands for a sign before something that is no number, where an operator is required."""
 
 _UNSTATED = frozenset("band bor bxor << >> > >= < <= == <>".split())
 """Operators that section 4.2 lists and to which no section gives a precedence."""
@@ -32,7 +32,7 @@ _ASSOCIATIVE = frozenset(("band", "bor", "bxor"))
 def is_doubtful(operator: str, inner: str) -> bool:
     """Whether the manual leaves open how ``operator`` and an unbracketed neighbour group.
 
-    inner: the neighbour's outermost operator, ``SIGN``, or "" when it has none or stands in brackets.
+    inner: the neighbour's outermost operator, ``SIGN``, or "" when it has none or is in brackets.
     """
     if not inner or (operator == inner and inner in _ASSOCIATIVE):
         return False
@@ -104,7 +104,7 @@ class _Grouping:
         return self._from(-1.0)
 
     def _from(self, least: float) -> Tree:
-        """What begins with the next value and has operators of at least this level."""
+        """What starts with the next value and has operators of at least this level."""
         place = self.at
         left: Tree = place
         if self.signs[place]:

@@ -33,7 +33,7 @@ LEVEL = (
     | dict.fromkeys(("+", "-", "or", "xor", "bor", "bxor"), 2)
     | dict.fromkeys(("*", "/", "div", "rem", "and", "band", "<<", "shr"), 3)
 )
-"""Binary operator of the IR -> its level; the higher one is performed first. A sign stands before a whole product."""
+"""Binary operator of the IR -> its level; the higher one is performed first. A sign is before a whole product."""
 
 SIGN_MATTERS = frozenset(("band", "rem", "shr"))
 """Products that differ by whether a sign before them is performed first, which the manual leaves open."""

@@ -1,4 +1,4 @@
-"""McuWIN: everything that the manuals name, with what it means and where it stands.
+"""McuWIN: everything that the manuals name, with what it means and where it is.
 
 What a code does to axes and modes is in the rules of the dialect. Source: APCI-8001 G-code manual, McuWIN V 2.5.3.133
 (``section``) and V 2.5.3.32 (``old``); a section ``14 (2.5.3.47)`` is an entry of the version information.

@@ -14,7 +14,7 @@ from gproof.ir.record import record
 class Key:
     """One line of the machine file.
 
-    form: what stands behind the equals sign: "letters" with numbers, a "number", "text", a "command", "axes" (letters
+    form: what comes after the equals sign: "letters" with numbers, a "number", "text", a "command", "axes" (letters
     of axes, with a number where the key sets one each); kind: what it belongs to; moves: it changes where axes go or
     how fast, in a job that runs as written (what only stops or delays one does not); of: the key on whose axis it acts,
     for keys that stand below it.

@@ -66,8 +66,8 @@ class DrillSettings:
 class Lexical:
     """How lines are read.
 
-    comment_signs: characters beside those of the language that begin a comment; skips: (characters, count): a line
-    that begins with one of them makes so many lines be left out; comma: a comma is a decimal point too; continued:
+    comment_signs: characters beside those of the language that start a comment; skips: (characters, count): a line
+    that starts with one of them makes so many lines be left out; comma: a comma is a decimal point too; continued:
     words after a closed comment are executed; numbered: lines may have numbers of their own (both: ``accepts`` of
     the machine file).
     """
@@ -85,7 +85,7 @@ class WinCncSettings(Settings):
 
     lexical: how lines are read.
     start, end: lines that run before and after each job (cmdstart=, cmdend=); abort: after one that is aborted; places:
-    by these three names where each stands, no part of the value.
+    by these three names where each is, no part of the value.
     arcs_modal: lines without a command after an arc are arcs (g2modal=, arcs=, arctype=).
     feed_groups: columns of the axes that share a feed, a text for each group (vgroup=).
     command_group: columns whose feed an F without axes sets.
@@ -111,7 +111,7 @@ class WinCncSettings(Settings):
     off; auto_pausing: motion stops for it.
     axis_order: columns in the order of the controller's axis numbers (axischar=), 0 first.
     probe_input, probe_axis: channel and column of the probe.
-    compensation_entry: cutter compensation begins with a move of its own (cutcomp=T1); compensation_swapped: left and
+    compensation_entry: cutter compensation starts with a move of its own (cutcomp=T1); compensation_swapped: left and
     right are exchanged (cutcomp= D below 0).
     override: (lowest, highest) percent that a program may set; None: no file says so; override_enabled: it may at all;
     rapids_unlocked: velocities of rapids may be changed too.
@@ -163,7 +163,7 @@ class WinCncSettings(Settings):
     places: tuple[tuple[str, Span], ...] = field(default=(), compare=False, repr=False)
 
     def place(self, name: str) -> Span | None:
-        """Where a line stands that runs before or after the job; None when no file with lines says so."""
+        """Where a line is that runs before or after the job; None when no file with lines says so."""
         return dict(self.places).get(name)
 
 

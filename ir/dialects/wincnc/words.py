@@ -1,6 +1,6 @@
 """WinCNC: every command that the manual names, with its letters and their ranges.
 
-What a command does to axes and modes stands in the rules of the dialect; here is what may stand on its line. Source:
+What a command does to axes and modes is in the rules of the dialect; here is what may stand on its line. Source:
 the WinCNC manual, chapter Command Reference; a row's heading is the command under "Parameters in [Brackets]", "G
 Codes", "L Codes" or "M Codes". Ranges are those that the manual gives, and None where it gives none.
 """
@@ -17,7 +17,7 @@ class Axes(enum.Enum):
 
     NONE = "none"
     NAMES = "names"
-    """Letters choose axes; a number behind one has no meaning."""
+    """Letters choose axes; a number after one has no meaning."""
     VALUES = "values"
     """Each letter has a number: a place, a distance, a rate, a factor."""
 
@@ -26,7 +26,7 @@ class Axes(enum.Enum):
 class Parameter:
     """A letter of a command: meaning, lowest and highest value, whether it must be there.
 
-    letter: one, or "text": what stands behind the command, up to the end of the line.
+    letter: one, or "text": what comes after the command, up to the end of the line.
     """
 
     letter: str
@@ -313,7 +313,7 @@ L_CODES = (
     Command("L910", "do not show the lines of the program"),
     Command("L911", "show the lines of the program"),
 )  # fmt: skip
-"""The stored text of the manual has lost the numbers of two headings: L82.2 stands between L82.1 and L82.3, L820
+"""The stored text of the manual has lost the numbers of two headings: L82.2 is between L82.1 and L82.3, L820
 before L821, of which it is the opposite."""
 
 M_CODES = (

@@ -66,7 +66,7 @@ class Distance(Check):
         self.scenes = [Scene(w, part, -given.tolerance, surface_of(b)) for w, b in _by_zero(given.part)]
         if name == "collisions":
             self.scenes += [Scene(w, everything, given.clearance, surface_of(b)) for w, b in _by_zero(given.fixtures)]
-        # Bodies that homing moves may meet, with what of a tool is asked for, by the zeros that they count from.
+        # Bodies that homing moves may meet, with the part of a tool that counts, by the zeros that they count from.
         self._homed = [(part, bodies) for part, bodies in ((part, _by_zero(given.part)),) if bodies]
         if name == "collisions":
             self._homed += [(everything, those) for those in map(_by_zero, (given.fixtures, given.stock)) if those]
@@ -382,7 +382,7 @@ def _where_stated(machine: Machine, tool: int) -> str:
 
 
 def _moves(stretch: Stretch) -> str:
-    """What a finding says of the moves of its stretch behind the first; "" where there are none."""
+    """What a finding says of the moves of its stretch after the first; "" where there are none."""
     if stretch.moves == 1:
         return ""
     worst = "this one is the worst"

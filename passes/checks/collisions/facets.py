@@ -26,14 +26,14 @@ _MOST_ENTRIES = 50_000_000
 """Of facets in the lists of all cells; more only where each facet is in few. Facets that reach across everything would
 fill the memory."""
 _FLAT = 1e-10
-"""mm that the corners of a facet may lie beside one plane."""
+"""mm that the corners of a facet may be beside one plane."""
 
 
 class Surface:
     """Facets of bodies as columns, and a grid over X and Y that says which lie where.
 
     corners: (n, 12) four corners, the third twice in a triangle; disc: (n,) mm around a facet; planes: (n, 5) unit
-    normal, its product with the corners, its horizontal length; beside: (n,) mm that the true surface may lie beside
+    normal, its product with the corners, its horizontal length; beside: (n,) mm that the true surface may be beside
     the facet; body: (n,) which of ``bodies``; box: (n, 5) least and greatest X, least and greatest Y, greatest Z.
     grid: X, Y of the first cell, its size, the greatest Z of all, the greatest ``beside``; size: cells in X and Y, and
     the highest facet; first, items: the facets over a cell, row by row; top: the greatest Z over it.
@@ -85,7 +85,7 @@ class Surface:
         return float((across * ((self.box[:, 3] - self.box[:, 2]) / cell + 2)).sum())
 
     def holds(self, body: int, point: tuple[float, float, float]) -> bool | None:
-        """Whether a point lies in a body; None when its surface does not say."""
+        """Whether a point is in a body; None when its surface does not say."""
         return holds(self.bodies[body].body, point)
 
 
@@ -137,7 +137,7 @@ Side = tuple[float, float, float]
 
 
 def _trapezia(rings: Sequence[Sequence[Point]]) -> list[tuple[Side, Side]]:
-    """What lies inside rings (outlines less holes), cut into trapezia at the Y of each corner."""
+    """What is inside rings (outlines less holes), cut into trapezia at the Y of each corner."""
     edges = []
     for ring in rings:
         for (x0, y0), (x1, y1) in zip(ring, (*ring[1:], ring[0]), strict=True):
@@ -187,7 +187,7 @@ def _planes(corners: Floats) -> Floats:
 
 
 def holds(body: Body, point: tuple[float, float, float]) -> bool | None:
-    """Whether a point lies in a body; None when its surface does not say. Cylinders are solid facets: never."""
+    """Whether a point is in a body; None when its surface does not say. Cylinders are solid facets: never."""
     x, y, z = point
     match body:
         case Box(low=low, high=high):

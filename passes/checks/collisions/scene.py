@@ -24,7 +24,7 @@ Ints = npt.NDArray[np.int64]
 GAP = 1e-6
 """mm between "nearer than allowed, proved" and "not, proved"."""
 CHORD = 2e-4
-"""mm that an arc may lie beside its chords; twice that at most."""
+"""mm that an arc may be beside its chords; twice that at most."""
 _LEVELS = 600
 _RATIO = 1.03
 _FIRST = 1e-5
@@ -40,7 +40,7 @@ class Ladder:
 
     rims: (pieces, levels, 3, 2), counts, rounds: (pieces, levels), levels, part: (pieces,); offsets: (levels,) signed
     distance to the piece that each level stands for, the first is the limit; sure: the first level that is further in
-    than any arc lies beside its chords; pieces: as they are.
+    than any arc is beside its chords; pieces: as they are.
     """
 
     rims: Floats
@@ -125,7 +125,7 @@ class Scene:
         """What of a tool must stay clear of these bodies."""
         if tool not in self._ladders:
             pieces = (ANYTHING,) if shape.problem else shape.of(*self.parts)
-            # What lies deeper than allowed in both together, but in neither alone; without depth there is none.
+            # What is deeper than allowed in both together, but in neither alone; without depth there is none.
             depth = max(-self.limit, 0.0)
             reach = 2.0 * depth + _SLIT
             cutter = next((piece.joint for piece in shape.pieces if piece.joint is not None), None)

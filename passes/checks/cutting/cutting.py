@@ -310,7 +310,7 @@ class Cutting(Check):
         return (None if controls.torch is None else controls.torch.output, controls.auto_output)
 
     def _start(self, chunk: Chunk, at: int, cut: Bools, way: Floats) -> None:
-        """The spindle begins to turn, or turns round, in row ``at``."""
+        """The spindle starts to turn, or turns round, in row ``at``."""
         spindle = self.machine.spindle(int(chunk.trace.states[int(chunk.rows["state"][at])].head))
         if spindle is None or spindle.spin_up is None:
             return
@@ -364,7 +364,7 @@ class Cutting(Check):
             self._now.cutting = bool(cut[np.flatnonzero(moves)[-1]])
 
     def _close(self, chunk: Chunk, rpm: Floats) -> None:
-        """The end of a section: what goes on behind it, or how the job ends."""
+        """The end of a section: what goes on after it, or how the job ends."""
         for edge in chunk.edges:
             if edge.target >= 0:
                 passed = self._now.copy()
@@ -410,7 +410,7 @@ class Cutting(Check):
 
 
 def _switched(on: frozenset[int], order: Floats) -> frozenset[int]:
-    """Outputs that are on behind an order to one of them: its channel, and whether it is on then."""
+    """Outputs that are on after an order to one of them: its channel, and whether it is on then."""
     channel = int(order[0])
     return on | {channel} if order[1] else on - {channel}
 

@@ -1,4 +1,4 @@
-"""The property feeds: every feed is stated, and is one that the tool stands. Wanted by ``--also feeds``.
+"""The property feeds: every feed is stated, and is one that the tool is. Wanted by ``--also feeds``.
 
 Rows carry their effective feed in mm/min whatever its mode (per minute, per revolution, inverse time) and with the
 override that the program set; moves of rotary axes alone (degrees a minute) and moves that follow the spindle's turns
@@ -90,7 +90,7 @@ class Feeds(Check):
                 self._judge(chunk, mine, way, causes)
 
     def _judge(self, chunk: Chunk, cut: Bools, way: Floats, causes: Causes) -> None:
-        """Cuts by what their tool stands."""
+        """Cuts by what their tool is."""
         feed: Floats = chunk.rows["feed"]
         self._tell(causes, chunk, cut & (self._tool.rows(chunk) < 0), codes.FEED_TOOL_NOT_TOLD, 0)
         length, down = _lengths(chunk, way)

@@ -111,7 +111,7 @@ def reached(chunk: Chunk, cut: Bools, begin: int, outputs: Collection[int]) -> i
 
 
 def waited(chunk: Chunk, way: Floats, begin: int, end: int, machine: Machine) -> float:
-    """Seconds that rows take at the least: dwells, and moves with each axis as fast as it can.
+    """Seconds that rows take at least: dwells, and moves with each axis as fast as it can.
 
     A move of an axis whose velocity or way is not known may take no time at all.
     """

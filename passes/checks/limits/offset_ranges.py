@@ -64,7 +64,7 @@ class OffsetRanges:
         self.assumptions: list[str] = []
 
     def conditions(self, found: dict[Affine, OffsetRange]) -> tuple[Condition, ...]:
-        """Conditions that the setup does not already meet; findings where it can not or need not."""
+        """Conditions that the setup does not already meet; findings where it cannot or need not."""
         out = []
         rooms: dict[Affine, Condition] = {}
         axes: dict[Affine, Axis] = {}

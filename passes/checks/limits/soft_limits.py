@@ -195,7 +195,7 @@ class Limits(Check):
         count = self._walk(chunk, known, guards, self._sure, added)
         if count > KEPT:
             self._walk(chunk, known, guards, self._sure, added, count)
-        # An axis that only stands where it stood when the job began is not what the job is to blame for.
+        # An axis that is still where it was when the job started is not the fault of the job.
         since = self._first_moves(chunk)[self._bad.axis[:count]]
         for n in np.flatnonzero(self._bad.row[:count] >= since)[: self.kept].tolist():
             row, index, reach = int(self._bad.row[n]), int(self._bad.axis[n]), float(self._bad.reach[n])
@@ -470,7 +470,7 @@ class Limits(Check):
             offset.within(room, least, most, (self._low_span[slot, index], self._high_span[slot, index]))
         form, at = self._start_forms[index], float(self._start[index])
         if axis is not None and form not in ((), UNKNOWN) and not _is_lost(form):
-            # The path begins at the start: what GP306 says of a stated one is a condition on an unknown one.
+            # The path starts at the start: what GP306 says of a stated one is a condition on an unknown one.
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
             offset = offsets.setdefault(form, OffsetRange(axis, self._first))

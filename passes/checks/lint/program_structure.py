@@ -1,6 +1,6 @@
 """What is odd in a program as it is written: lines that nothing leads to, names that nothing uses, fixed conditions.
 
-Only what stands in the job's own file is told: include files and macros of a machine serve other jobs too.
+Only what is in the job's own file is told: include files and macros of a machine serve other jobs too.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ _MOST_LINES = 100_000
 
 
 def place(program: Program, node: Statement) -> Span:
-    """Where a statement stands."""
+    """Where a statement is."""
     if isinstance(node, BlockTable):
         return Span(program.files[node.file].name, node.first_line)
     if isinstance(node, DeferredBlock):
@@ -100,7 +100,7 @@ class Written:
                 yield codes.READ_BEFORE_SET.at(span, name=name, hint="assign a value before, on every path to it")
 
     def _dead(self, body: tuple[Statement, ...], inner: bool) -> Iterator[Finding]:
-        """GP153: behind a jump, a return or, in an inner body, an end of the program, up to the next label.
+        """GP153: after a jump, a return or, in an inner body, an end of the program, up to the next label.
 
         Behind the end of the body that runs first GP123 tells.
         """
@@ -126,7 +126,7 @@ class Written:
                 yield from self._dead(part, True)
 
     def _end_in(self, node: Statement) -> tuple[int, int]:
-        """The first line in a statement that ends the program, and the first behind it that does more; 0 for none."""
+        """The first line in a statement that ends the program, and the first after it that does more; 0 for none."""
         table = self._program.rules.codes
         ends = [r for r in table.values() if r.function in (F.END, F.END_RESET) and r.letter == "M"]
         if type(node) is Block and not node.deleted and not node.own:
@@ -235,7 +235,7 @@ class Written:
         return None
 
     def _lines(self, body: tuple[Statement, ...], depth: int) -> Iterator[tuple[Span, set[F]]]:
-        """Lines in about the order in which they run, with the functions of their codes; of tables the beginning."""
+        """Lines in about the order in which they run, with the functions of their codes; of tables the start."""
         table = self._program.rules.codes
         for node in body:
             if isinstance(node, BlockTable):

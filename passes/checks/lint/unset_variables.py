@@ -3,7 +3,7 @@
 A forward pass over the structured Program keeps which numbered variables are set on every way to a statement. A label
 takes the meet over all jumps to it and what falls into it, until nothing changes; a subprogram is summed up as what it
 needs and what it surely sets. What can set anything (a computed number, a statement nobody models) sets everything, and
-behind an end nothing is read: neither makes a false alarm. Variables of the controller, those that outlive a job, and
+after an end nothing is read: neither makes a false alarm. Variables of the controller, those that outlive a job, and
 those that the setup states are left out.
 """
 
@@ -60,7 +60,7 @@ _SETS_SOME = (F.RESTORE_VARIABLE, F.ZERO_OFFSET_READ, F.ZERO_OFFSET_RESTORE, F.A
 
 @record(slots=True)
 class Summary:
-    """What a subprogram reads that it has not set, and what is set behind it."""
+    """What a subprogram reads that it has not set, and what is set after it."""
 
     needs: dict[int, Need] = field(default_factory=dict)
     sets: Known = frozenset()

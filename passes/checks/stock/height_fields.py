@@ -1,6 +1,6 @@
 """Height fields of bodies of stock before the job: what fills each cell for certain, and what may stand in it.
 
-A cell is all of a rectangle in X and Y. ``upper``: no stock of the body stands higher anywhere in the cell; ``lower``:
+A cell is all of a rectangle in X and Y. ``upper``: no stock of the body is higher anywhere in the cell; ``lower``:
 from the floor of the body up to there all of the cell is stock; -inf where there is none. Cells fit into the
 body's extent a whole number of times, so that they are at most as large as asked for. Boxes are exact; cylinders and
 prisms are but in the cells that their outline passes, where ``lower`` is -inf. A mesh gives the highest place of its

@@ -141,7 +141,7 @@ class StockLeft(Check):
 
     @property
     def fields(self) -> list[Field]:
-        """What is left of each body where the job stands."""
+        """What is left of each body where the job is."""
         return [left.field for left in self._left]
 
     def remains(self) -> tuple[Remains, ...]:
@@ -270,7 +270,7 @@ class StockLeft(Check):
         return found
 
     def _may_meet(self, chunk: Chunk, row: int, placed: Placed, key: int) -> bool:
-        """Whether a move may come to a body, wherever in the stated range it begins."""
+        """Whether a move may come to a body, wherever in the stated range it starts."""
         assert self.setup.workpiece is not None
         entry = self.placing.tools.entry(key)
         shape = Shape(problem="?") if entry.tool is None or entry.doubt else shape_of(entry.tool)
@@ -285,7 +285,7 @@ class StockLeft(Check):
         return beside
 
     def _beside_arcs(self, rows: Columns, tips: Tips) -> Floats:
-        """By row: mm that the controller's own way along an arc may lie beside it."""
+        """By row: mm that the controller's own way along an arc may be beside it."""
         arcs = rows["op"] == Op.ARC
         if not arcs.any():
             return np.zeros(len(rows))

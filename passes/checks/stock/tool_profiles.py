@@ -2,7 +2,7 @@
 
 Takes entries of the tool table (``ir.machine.Tool``). A tool without a flute length cuts along all of its stated
 length. A drill without a tip angle touches what a flat one would, and takes nothing away for certain. Of what is above
-the last stated part nothing is known: stock that stands higher than that over the tip may touch it.
+the last stated part nothing is known: stock that is higher than that over the tip may touch it.
 """
 
 from __future__ import annotations

@@ -153,7 +153,7 @@ class Guarded:
         self._off = StateColumn(lambda state: float(_CHANGE_GUARD in state.guards_off))
 
     def split(self, chunk: Chunk, cut: Bools) -> tuple[Bools, Bools, bool]:
-        """Cuts with the guard on; those with it off behind the last time it was switched on; whether it was."""
+        """Cuts with the guard on; those with it off after the last time it was switched on; whether it was."""
         off = self._off.rows(chunk) != 0.0
         rows = chunk.rows
         names = [k for k, text in enumerate(chunk.trace.texts) if text == _CHANGE_GUARD]

@@ -47,7 +47,7 @@ class Reason(enum.IntEnum):
 
     KNOWN = 0
     START = 1
-    """A traverse from where the axes stand when the job begins, or a row that moves nothing there."""
+    """A traverse from where the axes stand when the job starts, or a row that moves nothing there."""
     OFFSET = 2
     HEIGHT_MAP = 3
     ROTARY = 4
@@ -73,7 +73,7 @@ WHY = {
 class Tips:
     """Of n rows, where the tip of the tool is in the coordinates of a body, mm.
 
-    start, end: (n, 3) before and behind the row, NaN where it is not known; center: (n, 3) of arcs, 0 for other rows;
+    start, end: (n, 3) before and after the row, NaN where it is not known; center: (n, 3) of arcs, 0 for other rows;
     axes: (n, 3) whether start and end are known of X, Y, Z; known: (n,) of all three; reason: (n,) ``Reason``;
     start_known, end_known: (n, 3) each end for itself; tool: (n,) the key of the tool in the spindle
     (``Placing.tools``).
@@ -208,7 +208,7 @@ class Placing:
         return found
 
     def span(self, chunk: Chunk, row: int, work: int, *, behind: bool) -> Span:
-        """Between what the tip is at one end of a row, mm; asked behind ``tips`` of its chunk."""
+        """Between what the tip is at one end of a row, mm; asked after ``tips`` of its chunk."""
         trace, rows = chunk.trace, chunk.rows
         state = int(rows["state"][row])
         if max(self._always, self._why_of[state]) >= Reason.HEIGHT_MAP:
@@ -239,7 +239,7 @@ class Placing:
         return [zero[axis].value + sum(each.mm for each in own if each.axis == axis) for axis in range(3)]
 
     def cause(self, chunk: Chunk, row: int, work: int) -> str:
-        """Why the place of a row is not known, in words; asked behind ``tips`` of its chunk."""
+        """Why the place of a row is not known, in words; asked after ``tips`` of its chunk."""
         reason = int(self.tips(_only(chunk, row), work).reason[0])
         if reason not in (Reason.START, Reason.OFFSET):
             return WHY[Reason(reason)]
@@ -281,7 +281,7 @@ class Placing:
         return Reason.HEIGHT_MAP if HEIGHT_MAP in state.following else Reason.KNOWN
 
     def _turned(self, chunk: Chunk, starts: Floats) -> npt.NDArray[np.uint8]:
-        """By row: ROTARY where what may turn is not at its place of the beginning, HEAD where another head moves."""
+        """By row: ROTARY where what may turn is not at its place of the start, HEAD where another head moves."""
         rows, trace = chunk.rows, chunk.trace
         reason = np.zeros(len(rows), dtype=np.uint8)
         assert self._begin is not None
@@ -310,14 +310,14 @@ class Placing:
 
 
 def rotary_axes(machine: Machine) -> list[int]:
-    """Columns of the axes that may turn what lies on the table; a knife or saw turns itself."""
+    """Columns of the axes that may turn what is on the table; a knife or saw turns itself."""
     controls = machine.settings
     own = {each.axis for each in (machine.knife, controls.knife, controls.saw) if each is not None}
     return [axis.index for axis in machine.axes if axis.kind is AxisKind.ROTARY and axis.name not in own]
 
 
 def turned(chunk: Chunk, axis: int, value: float, form: Affine) -> Bools:
-    """(n,): rows at one of whose ends an axis does not stand at a place, that of the beginning of the job."""
+    """(n,): rows at one of whose ends an axis does not stand at a place, that of the start of the job."""
     rows, trace = chunk.rows, chunk.trace
     away: Bools = (chunk.starts()[:, axis] != value) | (rows["to"][:, axis] != value)
     for column in (chunk.start_frames(), rows["frame"]):
@@ -334,7 +334,7 @@ def rests_on_length_in_force(state: State) -> bool:
 
 
 def _why(frame: tuple[Affine, ...], left: tuple[Affine, Affine, Affine]) -> int:
-    """START where the axes whose place is open stand at, or beside, the place of the beginning."""
+    """START where the axes whose place is open stand at, or beside, the place of the start."""
     begun = all(
         symbol.startswith("start.") for form, rest in zip(frame, left, strict=False) if rest for symbol, _ in form
     )

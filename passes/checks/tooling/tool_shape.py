@@ -29,7 +29,7 @@ class Piece:
     """All points within ``rounding`` of the convex body of revolution between rims.
 
     part: one of CUTTER, SHANK, HOLDER, UNSTATED; rims: two or three, rising, each within the line of its neighbours.
-    joint: of a piece that lies across the joint of two others, and inside them, the height of the joint.
+    joint: of a piece that is across the joint of two others, and inside them, the height of the joint.
     """
 
     part: int
@@ -141,7 +141,7 @@ def _cutter(tool: Tool, radius: float, top: float) -> Piece | str:
 
 
 def _bridge(low: Piece, high: Piece) -> Piece | None:
-    """A cylinder inside both across their joint, so that what lies there is not near a face of the tool."""
+    """A cylinder inside both across their joint, so that what is there is not near a face of the tool."""
     z = high.rims[0][1]
     radius = min(*(r for r, _ in high.rims), *(r + low.rounding for r, _ in low.rims[-2:]))
     bottom, top = low.rims[-2][1], high.rims[-1][1]
@@ -153,7 +153,7 @@ def _bridge(low: Piece, high: Piece) -> Piece | None:
 def grown(piece: Piece, by: float) -> tuple[tuple[Rim, ...], float] | None:
     """Rims and rounding of all points within ``by`` of a piece; by < 0: of all that lie that deep inside it.
 
-    None when nothing lies that deep. Exact: the parallel body of a convex body is the meeting of its half spaces moved
+    None when nothing is that deep. Exact: the parallel body of a convex body is the meeting of its half spaces moved
     by that much.
     """
     if by >= -piece.rounding:

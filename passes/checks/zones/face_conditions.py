@@ -28,7 +28,7 @@ Ranges = dict[Affine, tuple[float, float]]
 class View:
     """How rows in some states are judged: positions less ``shift`` and ``form`` against the zone.
 
-    outer: what may be entered; inner: what is for certain, None when nothing is; cause: what lies between the two;
+    outer: what may be entered; inner: what is for certain, None when nothing is; cause: what is between the two;
     box: around outer, for plain positions; tip: what is taken from Z for a second reading, where it is not known;
     off: the guard is off; lost: another head is at work, whose place is not followed; part: of the tool, in words, ""
     its cutter.

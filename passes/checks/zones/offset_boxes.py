@@ -1,6 +1,6 @@
 """Boxes in regions of offsets: the largest ones with sides along the axes, for people who type three numbers.
 
-Every box lies in its region. Where all edges of the region are along the axes the boxes cover it, as far as there are
+Every box is in its region. Where all edges of the region are along the axes the boxes cover it, as far as there are
 not too many of them.
 """
 
@@ -17,7 +17,7 @@ MARKS = 48
 BOXES = 24
 """So many boxes at most."""
 SHARE = 0.02
-"""Of the whole region: what a box has to add where boxes can not cover all of it."""
+"""Of the whole region: what a box has to add where boxes cannot cover all of it."""
 
 
 def boxes_of(region: Region) -> tuple[Box, ...]:
@@ -59,7 +59,7 @@ def boxes_of(region: Region) -> tuple[Box, ...]:
 
 
 def _candidates(region: Region, inside: npt.NDArray[np.bool_]) -> list[tuple[int, int, int, int, int, int]]:
-    """All boxes of cells (layers, X, Y; from and to) that can not be made larger within their layers."""
+    """All boxes of cells (layers, X, Y; from and to) that cannot be made larger within their layers."""
     found = []
     for a in range(len(region.layers)):
         common = inside[a].copy()
@@ -113,7 +113,7 @@ def _marks(region: Region, axis: int) -> npt.NDArray[np.float64]:
 
 
 def rectangles(cells: npt.NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:
-    """All rectangles (first and behind last in both directions) of true cells that can not be made larger."""
+    """All rectangles (first and after last in both directions) of true cells that cannot be made larger."""
     n, m = cells.shape
     out = []
     for i in range(n):

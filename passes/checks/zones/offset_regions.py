@@ -2,7 +2,7 @@
 
 An offset moves the path; seen from it, each move blocks the offsets for which it enters a zone. For a straight move,
 all of which moves with the offset, that is the zone taken from every place of the move: the hull of the zone's convex
-parts set off from both ends. For a move from a place that stays to one that moves it is what lies behind the zone, seen
+parts set off from both ends. For a move from a place that stays to one that moves it is what is after the zone, seen
 from there. What is left of the offsets' own ranges is the answer. Zones are open, so that touching is allowed.
 
 Approximations are to the safe side, and how far is told (``Region.resolution``): arcs are cut into chords with
@@ -350,7 +350,7 @@ def _set_off(part: Floats, points: list[Floats]) -> npt.NDArray[Any]:
 
 
 def _behind(part: Floats, eye: Floats) -> shapely.Polygon | None:
-    """A convex part and all that lies behind it, seen from ``eye``; None where that is nearly half of the plane."""
+    """A convex part and all that is after it, seen from ``eye``; None where that is nearly half of the plane."""
     import shapely
 
     way = part - eye

@@ -1,6 +1,6 @@
-"""Whether a move enters a zone: an open region of X and Y between two heights, grown by what stands around the point.
+"""Whether a move enters a zone: an open region of X and Y between two heights, grown by what is around the point.
 
-Straight moves exactly: between the places where a move crosses an edge of the region, or passes a corner at the least
+Straight moves exactly: between the places where a move crosses an edge of the region, or passes a corner at least
 distance, the depth has one sign. Arcs by chords whose distance from the arc is added to the region, halved until a
 point of the arc itself is inside or the chord is next to it. Touching is outside; less than that counts as it.
 """
@@ -299,6 +299,6 @@ def arc_enters(zone: Zone, arc: Arc) -> Entry | None:
 
 
 def _deepest(zone: Zone, at: Callable[[float], Point], where: Point, first: float, depth: float) -> Entry:
-    """The place of entry, and the deepest of some places behind it: for the message only."""
+    """The place of entry, and the deepest of some places after it: for the message only."""
     points = np.array([at(first + (1.0 - first) * k / 64) for k in range(65)])
     return Entry(at=where, depth=max(depth, float(zone.depths(points).max())))

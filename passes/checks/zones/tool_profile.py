@@ -39,7 +39,7 @@ class Part:
 
 
 def parts(tool: Tool) -> tuple[Part, ...]:
-    """What stands above the cutter and is wider than it, from below."""
+    """What is above the cutter and is wider than it, from below."""
     out = []
     cutter = tool.diameter or 0.0
     flute, stickout, shank = tool.flute_length, tool.stickout, tool.shank_diameter

@@ -318,7 +318,7 @@ class ZoneCheck:
         self._entered(span, sure, view)
 
     def _bow_of(self, rows: Columns, row: int, p: Point, shift: Point) -> float:
-        """mm that the controller's own way along an arc may lie beside it."""
+        """mm that the controller's own way along an arc may be beside it."""
         if self._change:
             return 0.0
         center = np.array([_point(rows["center"][row], shift)])
@@ -345,7 +345,7 @@ class ZoneCheck:
             self.findings.add(codes.KEEP_OUT_ZONE.at(span, name=name, where=where, depth=entry.depth, hint=view.part))
 
     def _is_told(self) -> bool:
-        """Whether it is told elsewhere that places are lost: with a line that is refused, or at the move behind it."""
+        """Whether it is told elsewhere that places are lost: with a line that is refused, or at the move after it."""
         counts = self.findings.counts
         return codes.POSITION_UNKNOWN.number in counts or self.findings.has(Severity.ERROR)
 
@@ -451,7 +451,7 @@ class ZoneCheck:
         frames = len(trace.frames)
         low, high = np.full((2 * frames, 6), math.inf), np.full((2 * frames, 6), -math.inf)
         index = np.zeros((2 * frames, 6), dtype=np.int64)
-        # What is clear, or known, goes to the extents that nobody looks at: the next row begins where it ends.
+        # What is clear, or known, goes to the extents that nobody looks at: the next row starts where it ends.
         aside = np.where(open_, 0, 1).astype(rows["state"].dtype)
         row_boxes.pick(chunk.work)(
             boxed_rows(rows)._replace(state=aside), np.array([0, 1], dtype=np.int64),

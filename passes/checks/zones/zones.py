@@ -26,7 +26,7 @@ from gproof.passes.geometry.height_map import heights_of
 from gproof.passes.geometry.off_path import NO_TOLERANCE, blends_by_nothing
 
 Zeros = Callable[[int, int], Position]
-"""Where a coordinate system has its zero when the job begins, local offsets included, by number and axis."""
+"""Where a coordinate system has its zero when the job starts, local offsets included, by number and axis."""
 
 
 ROTARY = "rotary axes turn the work; the tool and keep-out zones in machine coordinates do not turn with it"

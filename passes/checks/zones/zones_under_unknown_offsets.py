@@ -2,7 +2,7 @@
 
 A coordinate is a number, a sum of unknown offsets (``Affine``), and what is only bounded: a tool length that was
 stated as a range, a probe contact. Offsets are told apart by their sums: all moves that rest on the same three sums, or
-on some of them, are one group, whose region says where those sums may lie. What a move rests on beside is taken
+on some of them, are one group, whose region says where those sums may be. What a move rests on beside is taken
 at all its values; where it has no bounds, the move may be anywhere.
 """
 
@@ -37,7 +37,7 @@ from gproof.passes.checks.zones.offset_regions import (
 Triple = tuple[Affine, Affine, Affine]
 Ranges = dict[Affine, Pair]
 Resolve = Callable[[Affine], tuple[Affine, Pair]]
-"""What of a sum is asked for, and between what the rest of it lies."""
+"""The part of a sum that is open, and the bounds of the rest."""
 
 Resolved = dict[int, list[tuple[Affine, Pair]]]
 NOT_MOVED = -1
@@ -62,7 +62,7 @@ class Stand:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Place:
-    """Where sums of offsets may lie together, so that the path keeps out of zones. terms: of X, Y, Z, () for none."""
+    """Where sums of offsets may be together, so that the path keeps out of zones. terms: of X, Y, Z, () for none."""
 
     terms: Triple
     region: Region
@@ -84,7 +84,7 @@ class _Rows:
 
 
 class OpenZones:
-    """Collects rows (``add``); ``places`` says where offsets may lie."""
+    """Collects rows (``add``); ``places`` says where offsets may be."""
 
     def __init__(self) -> None:
         self._rows: dict[int, tuple[Stand, _Rows]] = {}
@@ -230,7 +230,7 @@ def _runs(
 ) -> dict[int, int]:  # fmt: skip
     """Neighbours to be taken together, where there are more than ``MOST`` rows.
 
-    Of the first row of a run the row behind it, of the others themselves.
+    Of the first row of a run the row after it, of the others themselves.
     """
     size = -(-len(start) // MOST)
     if size <= 1:

@@ -109,7 +109,7 @@ class BlockTables(FlowPart):
 
 
 def _word_end(data: bytes, start: int, column: int, stop: int) -> int:
-    """Column behind a word: up to the next one, trailing blanks left out."""
+    """Column after a word: up to the next one, trailing blanks left out."""
     if stop == 0:
         stop = column + 1
         while start + stop - 1 < len(data) and chr(data[start + stop - 1]) in "0123456789.,+- \t":
@@ -120,7 +120,7 @@ def _word_end(data: bytes, start: int, column: int, stop: int) -> int:
 
 
 def _in_characters(span: Span, raw: bytes) -> Span:
-    """The span of a word in a line that begins with ``raw``: bytes to characters of its encoding."""
+    """The span of a word in a line that starts with ``raw``: bytes to characters of its encoding."""
     try:
         column, end_column = (len(raw[: at - 1].decode("utf-8")) + 1 for at in (span.column, span.end_column))
     except UnicodeDecodeError:

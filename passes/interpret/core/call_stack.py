@@ -21,7 +21,7 @@ from gproof.passes.interpret.core.modal_state import Modal
 
 @record(slots=True, eq=False)
 class Group:
-    """Outcomes of one question, which come together behind its block.
+    """Outcomes of one question, which come together after its block.
 
     open: how many of them are still on their way; parked: those that have arrived, each in another state. narrowed: by
     the number of a variable what it was before the question, and what the answers have made of it; wide: parked ones by
@@ -74,7 +74,7 @@ class Cells:
 class PlainCell:
     """Literal words that each cell of an array is: line, letter, value and flags; how many lines, and of which file.
 
-    zeros: words of the G92 that it begins with, which are not among ``columns``; zero_line: its line, 0 for none.
+    zeros: words of the G92 that it starts with, which are not among ``columns``; zero_line: its line, 0 for none.
     """
 
     columns: tuple[Array, ...]
@@ -109,9 +109,9 @@ ANY = -1
 class Frame:
     """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
 
-    node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together behind
+    node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together after
     it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in
-    columns for the kernel, lines that it must not run and where their words stand, and where the next piece begins;
+    columns for the kernel, lines that it must not run and where their words stand, and where the next piece starts;
     continued: what a line of it without a code goes on with.
     again: how often a subprogram runs once more, ``ANY`` where that is left open; more: how often it may besides;
     counter, last: of a counted loop, its variable's value and its end; is_open: how often it runs is left open.
@@ -148,7 +148,7 @@ class Frame:
         )  # fmt: skip
 
     def next_line(self) -> int:
-        """The line of a table that comes next, 0 behind its end."""
+        """The line of a table that comes next, 0 after its end."""
         if self.words is not None and self.at < len(self.words):
             return int(self.words["line"][self.at])
         return 0
@@ -159,8 +159,8 @@ class HotLine:
     """A line of motion that is evaluated ahead of its execution.
 
     node: its block, or None for a line of a table, which is ``table``: (table, words, begin, end, first byte of the
-    piece). motion: the code that moves it, as ``Block.continued``; added: that code stands in front of its own words.
-    call: of the call that it stands in (an index of ``Trace.calls``), -1 for the one that runs.
+    piece). motion: the code that moves it, as ``Block.continued``; added: that code is in front of its own words.
+    call: of the call that it is in (an index of ``Trace.calls``), -1 for the one that runs.
     """
 
     number: int
@@ -206,7 +206,7 @@ class Pending:
     lines: int = 0
 
     def columns(self) -> tuple[Array, Array, Array, Array]:
-        """Line (from 0), letter and value of the words; for each line where it stands in the source."""
+        """Line (from 0), letter and value of the words; for each line where it is in the source."""
         sizes = [len(part.line) for part in self.parts]
         first = np.cumsum([0, *(len(part.lines) for part in self.parts)])[:-1]
         line = np.concatenate([part.line for part in self.parts])
@@ -331,7 +331,7 @@ class Followed:
 
 
 JOINED, FAR = 3, 6
-"""At so many visits of a question with other bounds of variables it is asked for all of them; and for any value."""
+"""At so many visits of a question with other bounds of variables it is followed for all of them; and for any value."""
 
 
 def _within(value: Unknown, other: Unknown) -> bool:
@@ -340,7 +340,7 @@ def _within(value: Unknown, other: Unknown) -> bool:
 
 NO_PLACE = Span("", 0)
 EXACT = 32
-"""So many outcomes are kept apart in every number; behind later ones what differs is only bounded."""
+"""So many outcomes are kept apart in every number; after later ones what differs is only bounded."""
 
 
 APART = 8

@@ -1,7 +1,7 @@
 """What follows from a line that could not be read: one cause is reported once.
 
 A line that is no code of the language is not executed, with its feed and its motion code. That a feed or a motion is
-missing behind it is the same mistake again, not another one: the job is UNSAFE by the line itself.
+missing after it is the same mistake again, not another one: the job is UNSAFE by the line itself.
 """
 
 from __future__ import annotations

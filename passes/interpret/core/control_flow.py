@@ -3,7 +3,7 @@
 One run is a chain of classes, each of which knows one thing: ``emitter`` (state and rows), ``motion`` (moves),
 ``origins`` (where numbers count from), ``blocks`` (a line in the order of the manual), ``straight`` (tables of plain
 lines), ``loops`` (lines that come again), ``branches`` (conditions that nobody can decide), and here statements, calls
-and messages. Errors are findings: the line that has one does nothing more, and execution goes on behind it so that one
+and messages. Errors are findings: the line that has one does nothing more, and execution goes on after it so that one
 run shows all of them; ``stop_at_error`` ends there instead, as the controller would.
 """
 
@@ -139,7 +139,7 @@ class ControlFlow:
             self.run.close_section((Edge(wait=Wait.END, outcome="end", target=-1),))
 
     def _warn_after_end(self) -> None:
-        """Warn once of code behind an end that every run reaches."""
+        """Warn once of code after an end that every run reaches."""
         if not self.stack or self.order.labels(self.run.program.body):
             # Behind an end there may be what labels lead to.
             return
@@ -161,7 +161,7 @@ class ControlFlow:
                 return
 
     def _is_of_job(self, node: Statement) -> bool:
-        """Whether a statement stands in the job itself, not in a file of settings that runs something around it."""
+        """Whether a statement is in the job itself, not in a file of settings that runs something around it."""
         if isinstance(node, BlockTable):
             return node.file == 0
         file = node.place[0] if isinstance(node, DeferredBlock) else node.span.file
@@ -362,7 +362,7 @@ class ControlFlow:
         return False
 
     def _is_behind(self) -> bool:
-        """Whether what runs is behind the job, or behind its abort."""
+        """Whether what runs is after the job, or after its abort."""
         first = self.stack[0]
         at_tail = first.body is self.run.program.body and first.at > len(first.body) - len(self.run.program.tail)
         return at_tail or (first.body is not self.run.program.body and first.caller is None)
@@ -508,7 +508,7 @@ class ControlFlow:
         if node.kind == "dialog":
             self.run.dialect.dialog(self.run, node)
         if node.kind == "warning":
-            # The manual's tool setter waits behind each of its warnings until RUN is pressed (2.13).
+            # The manual's tool setter waits after each of its warnings until RUN is pressed (2.13).
             self.run.end_section(Wait.OPERATOR, "warning read", None, node.span)
         if node.kind == "error":
             self.run.findings.add(self.run.ends_here(codes.ERROR_MESSAGE).at(node.span, text=text))

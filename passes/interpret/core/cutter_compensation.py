@@ -5,7 +5,7 @@ move is compensated when its line is read, from nothing but the tool's place and
 
 All points are (u, v) in a right-handed pair of the plane, (X, Y) or (Z, X), in mm. side: +1 the tool is left of the
 path, -1 right; sense: +1 counter-clockwise, -1 clockwise. A path is a list of ``Piece``; what the manual calls an
-error comes back as a ``Fault`` beside a path that leads on behind it.
+error comes back as a ``Fault`` beside a path that leads on after it.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ def entry_arc(tool: Point, end: Point, center: Point, sense: int, side: int, rad
 def entry_arc_center(tool: Point, end: Point, arc_radius: float, sense: int, side: int, radius: float) -> Point | Fault:
     """The centre of the first move, an arc with a given radius (negative: the long way).
 
-    It lies ``arc_radius`` from the programmed end and that much, less or more a tool radius, from the tool.
+    It is ``arc_radius`` from the programmed end and that much, less or more a tool radius, from the tool.
     """
     big = abs(arc_radius)
     inward = side * sense > 0
@@ -155,7 +155,7 @@ def entry_arc_center(tool: Point, end: Point, arc_radius: float, sense: int, sid
     if distance > big + from_tool or beside < 0.0:
         return Fault(Trouble.ENTRY_ARC, distance, big + from_tool)
     u, v = (end[0] - tool[0]) / distance, (end[1] - tool[1]) / distance
-    # The centre of the shorter counter-clockwise arc lies left of its chord.
+    # The centre of the shorter counter-clockwise arc is left of its chord.
     off = math.sqrt(beside) * (sense if arc_radius > 0 else -sense)
     return tool[0] + u * along - v * off, tool[1] + v * along + u * off
 

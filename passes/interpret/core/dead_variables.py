@@ -63,7 +63,7 @@ class Idle:
 
 
 class _NotKnown(Exception):
-    """Which variables a program reads can not be told from its text."""
+    """Which variables a program reads cannot be told from its text."""
 
 
 def idle_variables(

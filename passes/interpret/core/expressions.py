@@ -72,7 +72,7 @@ def _rem(x: float, y: float) -> float:
 
 
 def open_rem(x: float, y: float) -> tuple[float, float] | None:
-    """The remainders between which that of a negative number, or by one, lies; None where all rules give the same.
+    """The remainders between which that of a negative number, or by one, is; None where all rules give the same.
 
     With the sign of the first, with that of the second, or never negative: Pascals differ.
     """

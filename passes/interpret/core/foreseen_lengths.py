@@ -18,7 +18,7 @@ from gproof.ir.program import Block, BlockTable, Call, DeferredBlock, Number, Pr
 from gproof.ir.rules import Function as F
 
 LENGTHS = frozenset((F.TOOL_OFFSET_ON, F.TOOL_OFFSET_DYNAMIC, F.MEASURE_TOOL, F.TOOL_NUMBER))
-"""Functions behind which positions count with the lengths of tools, or with their measures."""
+"""Functions after which positions count with the lengths of tools, or with their measures."""
 _PIECE = 1 << 20
 _NEAR = 12
 """Bytes that a code takes at most, with blanks and zeros."""

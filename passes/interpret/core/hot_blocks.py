@@ -37,7 +37,7 @@ _ONCE = FastBlock(lambda _: (), (), (), (), False, None)  # type: ignore[arg-typ
 """A block that was executed once."""
 NO_LINES = Stretch(())
 MOST_BLOCKS = 1000
-"""Blocks of a pass that may be executed with others at once; in longer ones what lies between blocks is no matter."""
+"""Blocks of a pass that may be executed with others at once; in longer ones what is between blocks is no matter."""
 PENDING_LINES = 1 << 14
 """Lines of motion that wait at most before they are executed together."""
 

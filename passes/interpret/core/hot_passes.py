@@ -42,7 +42,7 @@ _RETRIES = 24
 
 
 class HotPasses(FlowPart):
-    """What is run many passes at once; each method is called where a pass begins."""
+    """What is run many passes at once; each method is called where a pass starts."""
 
     def __init__(self, flow: ControlFlow) -> None:
         super().__init__(flow)
@@ -200,7 +200,7 @@ class HotPasses(FlowPart):
         return all(node.span.file == name for node in body if isinstance(node, Block))
 
     def _run_hot(self, hot: Hot, free: int, frame: Frame) -> int:
-        """Passes from the beginning of one on; returns how many ends were gone over."""
+        """Passes from the start of one on; returns how many ends were gone over."""
         passes = hot.passes
         if passes is None or not all(map(self.flow.hot_blocks.in_mode, passes.modes)):
             return 0

@@ -3,7 +3,7 @@
 A run that comes by a place in the state in which it was there before never ends: the section that began in that state
 is where its edge leads. States are compared in Brent's way, so that a loop of a million passes keeps one of them;
 counters that have no part in anything (``passes/interpret/core/dead_variables.py``) may differ. A counted loop whose
-passes begin in one state, and whose end is farther than what may be followed, is left open (GP522): it may end behind
+passes begin in one state, and whose end is farther than what may be followed, is left open (GP522): it may end after
 any of its passes, and one more of them stands for all.
 """
 

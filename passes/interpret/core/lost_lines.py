@@ -1,4 +1,4 @@
-"""Plain lines behind a refused one whose way rests on what is lost: when the kernel may run them, and what it leaves.
+"""Plain lines after a refused one whose way rests on what is lost: when the kernel may run them, and what it leaves.
 
 The kernel is ``lost_line_kernels.run_lost``; ``refused_lines.vague`` is what it makes of a line, one by one.
 """

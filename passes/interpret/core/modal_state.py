@@ -114,7 +114,7 @@ class Modal(Keyed, ToolTable):
     def _begin_offsets(self) -> None:
         setup = self.setup
         in_force = self.symbol("tool.0.z")
-        # With none in force the tool stands out all the same; one that nobody states is taken for the tool's own.
+        # With none in force the tool is out all the same; one that nobody states is taken for the tool's own.
         self.length_tool: int | None = 0 if in_force == ZERO else setup.tool
         self.lengths_used = any(not ends.exact or ends.low for ends in (*setup.measures.values(), *_length_now(setup)))
         self.stated: set[str] = {"spindle"} if setup.default_parameter is not None else set()
@@ -219,7 +219,7 @@ class Modal(Keyed, ToolTable):
     # -- offsets and positions
 
     def offset(self, axis: int) -> Position:
-        """Where the program's zero of an axis lies in machine coordinates."""
+        """Where the program's zero of an axis is in machine coordinates."""
         if axis in self.not_programmed or self.unknown_modes & OF_ORIGINS:
             return NOWHERE
         return self.work_offsets[self.work, axis].plus(self.g92[axis]).plus(self.beside_work(axis))
@@ -233,7 +233,7 @@ class Modal(Keyed, ToolTable):
     def beside_tip(self, axis: int) -> Position:
         """What the position of an axis has more than the tip of the tool in the spindle, see ``State.tip``.
 
-        Once a job uses lengths of tools its zero counts for their tips: a tool whose length is not in force then stands
+        Once a job uses lengths of tools its zero counts for their tips: a tool whose length is not in force then is
         out by it all the same. Before that the zero was taken with the tool itself.
         """
         offset = self.tool_offset[axis]
@@ -597,5 +597,5 @@ class Modal(Keyed, ToolTable):
 
 
 def _length_now(setup: Setup) -> tuple[Interval, ...]:
-    """The length in force when the job begins, where it is stated."""
+    """The length in force when the job starts, where it is stated."""
     return (setup.tool_lengths[0],) if 0 in setup.tool_lengths else ()

@@ -107,7 +107,7 @@ class Narrowing:
         return self._within(node, (low, high), known, depth)
 
     def _within(self, node: Expr, ends: Range, known: Bounds, depth: int) -> Bounds | None:
-        """What is known where a value lies in a range."""
+        """What is known where a value is in a range."""
         low, high = ends
         if depth > _DEEPEST or math.isnan(low) or math.isnan(high) or ends == ANY:
             return known
@@ -135,7 +135,7 @@ class Narrowing:
         return known
 
     def _of_product(self, node: Binary, ends: Range, known: Bounds, depth: int) -> Bounds | None:
-        """What is known where a product, a quotient or a shift lies in a range; one of its operands is a number."""
+        """What is known where a product, a quotient or a shift is in a range; one of its operands is a number."""
         left, right = self._value(node.left, known), self._value(node.right, known)
         operator = node.operator
         if node.whole and (operator not in ("div", "shr") or right == -1.0):
@@ -195,7 +195,7 @@ def _above(value: float, *, whole: bool) -> float:
 
 
 def _of_unary(operator: str, ends: Range, now: Range) -> Range | None:
-    """Where x lies when ``operator x`` lies between ends and x is known to lie in ``now``; None: nothing is said."""
+    """Where x is when ``operator x`` is between ends and x is known to lie in ``now``; None: nothing is said."""
     low, high = ends
     match operator:
         case "abs" if now[0] >= 0.0:
@@ -218,7 +218,7 @@ _LARGE_ROOT = 1e150
 
 
 def _of_binary(operator: str, ends: Range, number: float, *, least: float, whole: bool) -> Range | None:
-    """Where x lies when ``x operator number`` lies between ends; None: nothing is said.
+    """Where x is when ``x operator number`` is between ends; None: nothing is said.
 
     least: x is known to be no less; whole: both are whole numbers. The bounds of a quotient hold whether it
     is cut towards 0, as of ``div``, or rounded down, as by a shift.
@@ -245,7 +245,7 @@ def _of_binary(operator: str, ends: Range, number: float, *, least: float, whole
 
 
 def _less(ends: Range, term: Range) -> Range:
-    """The range of x where x + term, rounded, lies between ends."""
+    """The range of x where x + term, rounded, is between ends."""
     low, high = ends[0] - term[1], ends[1] - term[0]
     low = -math.inf if math.isnan(low) else low - _pad(ends[0], term[1])
     high = math.inf if math.isnan(high) else high + _pad(ends[1], term[0])

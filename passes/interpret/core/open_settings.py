@@ -1,4 +1,4 @@
-"""Settings of the machine that gproof can not follow, and which of them a job touches: GP605 for these alone.
+"""Settings of the machine that gproof cannot follow, and which of them a job touches: GP605 for these alone.
 
 ``Unmodelled.touches`` names the jobs (``ir/machine.py: TOUCHES``). What commands show is met by the executor, arcs by
 the rows that it makes; settings of an axis, and of every axis that moves, are noted by the limits.

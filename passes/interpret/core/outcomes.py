@@ -26,7 +26,7 @@ LONGEST = 60
 MOST_ASKED = 100
 """So many different answers on a way are looked at one by one."""
 END = -1
-"""What is behind the program."""
+"""What is after the program."""
 
 
 Answer = tuple[Span, int, str, str]
@@ -189,7 +189,7 @@ class _Graph:
         return False
 
     def _way(self, sections: frozenset[int]) -> list[tuple[Answer, int]]:
-        """The answers on a way from the beginning to one of some sections, as few as there can be."""
+        """The answers on a way from the start to one of some sections, as few as there can be."""
         costs = {0: 0}
         before: dict[int, tuple[int, Answer | None]] = {}
         todo, done = deque([0]), set[int]()
@@ -239,7 +239,7 @@ _STATES = dict.fromkeys(_CHANNELS, ("is off", "is on")) | {"answer": ("is answer
 
 
 def _source(place: Span, program: Program) -> str:
-    """What stands at a place in the source, its line where no columns are known."""
+    """What is at a place in the source, its line where no columns are known."""
     source = next((file for file in program.files if file.name == place.file), None)
     if source is None or place.line < 1:
         return ""
@@ -264,7 +264,7 @@ def _lines_of(data: bytes) -> Iterable[bytes]:
 
 
 def _put_together(found: list[Outcome]) -> list[Outcome]:
-    """Answers in order; the same one again and again stands there once, with how often."""
+    """Answers in order; the same one again and again is there once, with how often."""
     out: list[Outcome] = []
     for one in found:
         if out and out[-1].again(one):

@@ -23,7 +23,7 @@ LETTERS = frozenset("ABCDEFGHIJKLMPQRSTXYZ")
 
 
 def named(letter: str) -> str:
-    """A word in a message: a number behind a code has no letter."""
+    """A word in a message: a number after a code has no letter."""
     return "the number" if letter == PARAMETER else letter
 
 

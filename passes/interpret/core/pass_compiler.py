@@ -141,7 +141,7 @@ class _PassCode(Code):
         return most
 
     def placed(self, line: HotLine) -> HotLine:
-        """A line as one of the call that it stands in."""
+        """A line as one of the call that it is in."""
         return line if self._call < 0 else replace(line, call=self._call)
 
     def branch(self, node: If, depth: int) -> int:

@@ -1,7 +1,7 @@
 """Conditions that nobody can decide before the job runs: both outcomes are followed, and come together again.
 
 What is still to do is a stack of frames, not Python's own: a run splits by copying it. Each outcome goes on with
-its own stack and state in a section of its own; behind the block whose condition was asked, outcomes wait for each
+its own stack and state in a section of its own; after the block whose condition was asked, outcomes wait for each
 other, and those in the same state go on as one. docs/dialects/eding.md says what counts as not known.
 """
 
@@ -88,7 +88,7 @@ class PathExploration(FlowPart):
     def _is_followed(self, place: object) -> bool:
         """Whether a question was followed where variables may be all that they may be here, and more.
 
-        If not, it is asked for what they may be here and, after some visits, for what they may have been then too.
+        If not, it is followed for what they may be here and, after some visits, for what they may have been then too.
         """
         without = self.without(self.idle.unread)
         held: dict[int, Unknown] = {}

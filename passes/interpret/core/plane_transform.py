@@ -154,7 +154,7 @@ NO_TRANSFORM = Transform()
 
 
 def at_start(modal: Modal) -> Transform:
-    """What the setup states to be in force when the job begins."""
+    """What the setup states to be in force when the job starts."""
     stated = modal.setup.transform
     if stated is None:
         return NO_TRANSFORM

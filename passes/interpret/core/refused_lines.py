@@ -2,8 +2,8 @@
 
 Words that were read say by the table of ``ir/modal_groups.py`` which modal groups they may have changed; a text that
 was not understood may have been anything. What rests on such a group is not known from there on: places, feeds,
-speeds. Codes that state a group whole make it known again. The refused line is told itself; behind an unknown one the
-first move that rests on it is GP304, once; behind an error nothing is, as no controller comes there, unless somebody
+speeds. Codes that state a group whole make it known again. The refused line is told itself; after an unknown one the
+first move that rests on it is GP304, once; after an error nothing is, as no controller comes there, unless somebody
 accepts the error.
 """
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 _STRAIGHT = frozenset((F.TRAVERSE, F.FEED))
 LOST_MOTION = CodeRule(letter="G", tenths=0, function=F.UNSUPPORTED, group="", source="")
-"""The motion that is in force behind a refused line that may have changed it."""
+"""The motion that is in force after a refused line that may have changed it."""
 _ALL = frozenset(range(AXES))
 Words = Sequence[tuple[str, Value, Span]]
 
@@ -125,7 +125,7 @@ _OWN_WORDS = frozenset((
 def lose_everything(run: Run, finding: Finding) -> None:
     """Behind a text that nobody understands: all that a code of the language can change.
 
-    Variables stay behind an error: what they would decide is a path that no controller takes, and its own errors show.
+    Variables stay after an error: what they would decide is a path that no controller takes, and its own errors show.
     """
     lost = g.everything(run.program.rules)
     lose(run, lost - {g.VARIABLES} if finding.severity is Severity.ERROR else lost, finding, _ALL)
@@ -143,7 +143,7 @@ def lose(run: Run, groups: Iterable[str], finding: Finding, axes: frozenset[int]
 
 
 def _name_line(run: Run, finding: Finding) -> None:
-    """The next move that rests on a lost place is told with this line; not behind an error, nor where the line's own
+    """The next move that rests on a lost place is told with this line; not after an error, nor where the line's own
     finding says that places are not known."""
     if finding.severity is not Severity.ERROR and finding.code.decides != "limits":
         run.modal.refused_at = run.modal.refused_at or finding.span
@@ -189,7 +189,7 @@ def forget(s: Modal, lost: frozenset[str], axes: frozenset[int], span: Span) -> 
     s.unknown_modes |= lost & g.TRACKED
 
 
-# ---- lines behind it
+# ---- lines after it
 
 
 def is_stated(rule: CodeRule, has_axes: bool) -> bool:

@@ -51,7 +51,7 @@ DEFAULT_BRANCHES = 4096
 _NOT_LISTED = ("later", "tool_zero")
 """Kinds of variables that the list of the manual does not have."""
 _ENDS = (codes.UNKNOWN_CONDITION.number, codes.RECURSION.number, codes.STEP_BUDGET.number)
-"""Findings behind which nothing can be followed."""
+"""Findings after which nothing can be followed."""
 
 
 class ProgramEnd(Exception):

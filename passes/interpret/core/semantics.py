@@ -93,7 +93,7 @@ class Dialect(Generic[R_contra]):
     # ---- the start
 
     def first_state(self, program: Program, setup: Setup, machine: Machine) -> Modal:
-        """The state in which a job begins."""
+        """The state in which a job starts."""
         return Modal(program.rules, setup, machine)
 
     def begin(self, run: R_contra) -> None:
@@ -175,7 +175,7 @@ class Dialect(Generic[R_contra]):
         """A move of the job: see ``moves.go``."""
         moves.go(run, op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
 
-    # ---- lines behind a refused one (lost_lines.py)
+    # ---- lines after a refused one (lost_lines.py)
 
     def motion_of_frame(self, run: R_contra, frame: Frame) -> int:
         """The motion with which the next line of a table goes on, as a function's number; 0 for none."""
@@ -221,7 +221,7 @@ class Dialect(Generic[R_contra]):
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="an array"))
 
     def next_cell(self, run: R_contra, frame: Frame) -> bool:
-        """Behind a cell of an array: to the next one, True; behind the last one False."""
+        """Behind a cell of an array: to the next one, True; after the last one False."""
         return False
 
     def back_from_file(self, run: R_contra, kept: Kept | None) -> None:

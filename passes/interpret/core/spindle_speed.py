@@ -24,7 +24,7 @@ def commanded_rpm(s: Modal) -> float:
 
 
 def true_rpm(s: Modal) -> float:
-    """Revolutions a minute that it turns with: NaN too for a speed that the machine can not give (2.1.11)."""
+    """Revolutions a minute that it turns with: NaN too for a speed that the machine cannot give (2.1.11)."""
     rpm = commanded_rpm(s)
     return math.nan if is_beyond(s, rpm) else rpm
 

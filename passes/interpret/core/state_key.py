@@ -99,7 +99,7 @@ class Keyed:
         return made
 
     def spread(self, place: Position) -> tuple[Affine, float, float] | None:
-        """Unknown offsets that a place rests on, and between what it lies beside them (mm or degrees) by the bounds of
+        """Unknown offsets that a place rests on, and between what it is beside them (mm or degrees) by the bounds of
         the unknowns that arose in the run; None where one of these has no bounds."""
         low = high = place.value
         rest = []

@@ -70,7 +70,7 @@ class StatementOrder(FlowPart):
     # ---- jumps
 
     def jump(self, node: Jump) -> None:
-        """Go on behind a label."""
+        """Go on after a label."""
         self.run.spend(node.span)
         found = self._label(node.name)
         if found is None:
@@ -83,7 +83,7 @@ class StatementOrder(FlowPart):
         self.flow.hot_passes.hot_jump(self.flow.stack[depth], node, at)
 
     def _label(self, name: str) -> tuple[int, int] | None:
-        """Which frame has the label, and the place behind it."""
+        """Which frame has the label, and the place after it."""
         for depth in reversed(range(len(self.flow.stack))):
             frame = self.flow.stack[depth]
             at = self.labels(frame.body).get(name)
@@ -94,7 +94,7 @@ class StatementOrder(FlowPart):
         return None
 
     def labels(self, body: tuple[Statement, ...]) -> dict[str, int]:
-        """The labels of a list of statements, with the place behind each."""
+        """The labels of a list of statements, with the place after each."""
         key = id(body)
         if key not in self._places:
             self._places[key] = {node.name: n + 1 for n, node in enumerate(body) if isinstance(node, Label)}
@@ -117,7 +117,7 @@ class StatementOrder(FlowPart):
         self._out_of(gone)
 
     def _out_of(self, gone: list[Frame]) -> None:
-        """Blocks are left for good: where other outcomes wait behind them, these are one fewer.
+        """Blocks are left for good: where other outcomes wait after them, these are one fewer.
 
         What goes on here is then an outcome like any other, in a section that others in the same state may join.
         """
@@ -306,7 +306,7 @@ class StatementOrder(FlowPart):
         return Unknown(_OFTEN, low, high)
 
     def _is_counted(self, frame: Frame, node: For, number: int) -> bool:
-        """Whether the variable of a loop holds behind a pass what it held in it, or what a guard has told of that."""
+        """Whether the variable of a loop holds after a pass what it held in it, or what a guard has told of that."""
         counted, held = self._counted_value(frame, node), self.run.modal.parameters.get(number)
         if held == counted or held is None or not frame.is_open:
             return held == counted
@@ -330,7 +330,7 @@ class StatementOrder(FlowPart):
         frame.at = 0
 
     def _after_for(self, frame: Frame, node: For, modal: Modal) -> None:
-        """What the variable holds behind the loop: its last value, or one more, as Pascal leaves it open (8.3)."""
+        """What the variable holds after the loop: its last value, or one more, as Pascal leaves it open (8.3)."""
         number = self.flow.widening.number_of(node.variable)
         name = node.variable.name or self.run.program.rules.name_of(number)
         cause = behind_loop(name)

@@ -1,6 +1,6 @@
 """Whose an argument word is when several codes of a line take it: a guess, so UNKNOWN (Eding CNC manual 3.2.5, 3.7).
 
-The manual gives each code its words and no rule for two codes that share one; a letter stands in a line once.
+The manual gives each code its words and no rule for two codes that share one; a letter is in a line once.
 """
 
 from __future__ import annotations

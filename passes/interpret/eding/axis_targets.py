@@ -84,7 +84,7 @@ def _either_scaled(run: Run, axis: int, value: Value) -> Position:
 
 
 def named_place(run: Run, axis: int, value: Unknown, origin: Position) -> Position | None:
-    """The place whose coordinate from an origin a value is, whatever number that is: ``Z#5063`` behind a probe."""
+    """The place whose coordinate from an origin a value is, whatever number that is: ``Z#5063`` after a probe."""
     place = value.place
     if place is None or place.axis != axis or place.scale != run.modal.scale(axis) or place.origin != origin:
         return None

@@ -255,7 +255,7 @@ def _rise(run: Run, line: Line, drill: int, r: Position) -> None:
 
 
 def _heights(run: Run, drill: int, at: Position) -> tuple[float, float] | None:
-    """Between what a place within the limits lies that is not below ``at``; None where something of it is not known."""
+    """Between what a place within the limits is that is not below ``at``; None where something of it is not known."""
     limits = reach_of(run.machine, AXIS_NAMES[drill])
     top = None if limits is None else limits.stated[False][1]
     here = form_interval(at.form, run.setup, run.trace)

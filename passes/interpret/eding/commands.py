@@ -35,7 +35,7 @@ def run_command(run: Run, node: Device) -> None:
 
 
 def _home(run: Run, node: Device) -> None:
-    """The axis runs to its sensor and a little back (2.10.2): afterwards it stands near its home position."""
+    """The axis runs to its sensor and a little back (2.10.2): afterwards it is near its home position."""
     names = [part.value for part in node.arguments if isinstance(part, Text)]
     run.event(Op.HOME, node.span, text=run.text_number(" ".join(names)))
     for name in names:

@@ -95,7 +95,7 @@ def _recover(
 ) -> None:
     """After an error what the line may have changed is not known.
 
-    A cycle that did not begin is in force nevertheless: the places of the lines behind it are holes.
+    A cycle that did not begin is in force nevertheless: the places of the lines after it are holes.
     """
     where = None if line is None or not line.find(F.ARC_CW, F.ARC_CCW) else functools.partial(aim, run, line)
     refused_lines.refuse_words(run, words, AXIS_INDEX, refusal, finding, where)
@@ -295,7 +295,7 @@ def _change_tool(run: Run, line: Line) -> None:
     if run.machine.controller.auto_tool_change and changer in run.flow.called:
         return
     if run.machine.controller.auto_tool_change:
-        # The changer's own motion stands in a change_tool subprogram that was not given: not known.
+        # The changer's own motion is in a change_tool subprogram that was not given: not known.
         run.fail(codes.UNSUPPORTED_CODE.at(line.span, code="M6 on a machine with automatic tool change"))
     else:
         if changer is None and len(run.program.files) == 1:
@@ -338,7 +338,7 @@ def _input(run: Run, line: Line) -> None:
     run.modal.parameters[5399] = run.modal.stated_range(5399, read)
     stays = run.setup.inputs.get(digital) if digital is not None else None
     if stays is not None and wait != _FOR_HIGH:
-        # Behind L2 the input's state and "timed out" are one number, behind L1 they are not.
+        # Behind L2 the input's state and "timed out" are one number, after L1 they are not.
         run.modal.parameters[5399] = stays
     run.end_section(Wait.INPUT, "read" if not wait else "come or timed out", None, line.span)
 

@@ -66,7 +66,7 @@ def replaced(program: Program, depth: list[str], words: list[Words], span: Span)
 
 
 def _tool_change(name: str, words: list[Words]) -> Replaced:
-    """The tool change in the order of table 3-7: feed, speed and T come before it, the rest of the line behind."""
+    """The tool change in the order of table 3-7: feed, speed and T come before it, the rest of the line after."""
     before, after = [], []
     for word in words:
         letter, number = word[0], _number(word[1])

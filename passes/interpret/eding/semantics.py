@@ -36,7 +36,7 @@ class EdingDialect(Dialect[Run]):
         execute_line(run, span, words)
 
     def rest_of_line(self, run: Run, span: Span, words: list[Word]) -> None:
-        """Execute what a line has behind a code that a subprogram replaces."""
+        """Execute what a line has after a code that a subprogram replaces."""
         execute_own(run, span, words)
 
     def cold(self, run: Run, frame: Frame, columns: WordColumns, count: int) -> set[int]:

@@ -74,7 +74,7 @@ def reverse(run: Run, line: Line) -> None:
 
 
 def synchronised_move(run: Run, line: Line, rule: CodeRule, target: list[Position], pitch: float) -> None:
-    """One move with ``pitch`` mm a revolution along the path; Refusal GP510 where an axis can not follow."""
+    """One move with ``pitch`` mm a revolution along the path; Refusal GP510 where an axis cannot follow."""
     s = run.modal
     _check_velocity(run, line, rule, target, pitch)
     s.pitch = pitch

@@ -1,6 +1,6 @@
 """G76: a thread in many passes. Eding CNC manual 3.4.19.
 
-The manual names the words and what each bounds; how a pass lies between them is that of RS274/NGC's threading cycle,
+The manual names the words and what each bounds; how a pass is between them is that of RS274/NGC's threading cycle,
 whose text it shares. Depths are measured across the drive line, from the thread's peak into the material; a pass at
 depth d starts and ends (full depth - d) outside the drive line, so that every pass is the same, only shifted.
 """
@@ -36,7 +36,7 @@ _ENTRY, _EXIT = 1, 2
 
 @record(frozen=True, slots=True, kw_only=True)
 class _Thread:
-    """One line, in mm. start, end: the drive line along Z; x: where it is; inward: +1 when the material lies at higher
+    """One line, in mm. start, end: the drive line along Z; x: where it is; inward: +1 when the material is at higher
     X; peak: from the drive line to the thread's peak; full: depth of the thread; slide: mm along Z for each
     mm of depth, towards the end; taper: mm along Z at the ends that ``tapers`` (bits 1 entry, 2 exit) names."""
 

@@ -193,7 +193,7 @@ def _park(run: Run, line: Line, kind: str) -> None:
 
 
 def _back(run: Run, axis: int, value: Value) -> Position:
-    """The place that lies so far before the present one that this gets the number ``value``."""
+    """The place that is so far before the present one that this gets the number ``value``."""
     at = run.modal.position[axis]
     if axis in run.modal.transform.loose or (axis == 2 and run.modal.transform.upright != 1.0):
         # Of X and Y it is open whether the number is one before or after scaling (GP276), and no less of these.

@@ -23,7 +23,7 @@ TOOL, NEW_TOOL = 5008, 5011
 
 
 def write_setting(run: Run, number: Value, value: Value, span: Span) -> None:
-    """Put a value where it belongs; Refusal where a program can not."""
+    """Put a value where it belongs; Refusal where a program cannot."""
     for one, new in targets(run, number, value, span):
         if round(one) in (TOOL, NEW_TOOL) and run.modal.range_of(one, span)[1].kind in ("tool", "new_tool"):
             write_tool(run, round(one), new, span, WRITTEN_TOOLS)
@@ -36,7 +36,7 @@ def write_setting(run: Run, number: Value, value: Value, span: Span) -> None:
 def write_tool(run: Run, number: int, value: Value, span: Span, entry: Accepted) -> None:
     """#5008 or #5011 is to hold a value, which the manual does not have: UNKNOWN unless the shop knows its controller.
 
-    GP113 otherwise, behind which it is not known which tool that is; nothing moves by it.
+    GP113 otherwise, after which it is not known which tool that is; nothing moves by it.
     """
     s = run.modal
     tool: int | None = None

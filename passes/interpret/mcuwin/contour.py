@@ -72,7 +72,7 @@ class Element:
         return self.radius - side * self.sense * tool
 
     def along(self, point: Point, *, at_end: bool) -> float:
-        """mm from an end of the contour's element inwards, to what lies beside ``point``; negative: outside of it."""
+        """mm from an end of the contour's element inwards, to what is beside ``point``; negative: outside of it."""
         at = self.end if at_end else self.start
         if self.center is None:
             dx, dy = self.direction(at_end=at_end)

@@ -1,4 +1,4 @@
-"""Plain lines of DIN blocks: when the kernel of straight-line code may run them, and what it leaves behind.
+"""Plain lines of DIN blocks: when the kernel of straight-line code may run them, and what it leaves after.
 
 The kernel is ``line_kernels.run_lines``, whose words count in one unit under every code; what it does not know of
 these languages (reflection, cylinders, feeds of rotary axes, centre words that are left out) keeps lines from it.
@@ -97,7 +97,7 @@ def taken(
     run: McuWinRun, start: list[float], before: int, words: WordColumns, at: int, stop: int,
     numbers: Any = None,
 ) -> str:  # fmt: skip
-    """What the rows from ``before`` on leave, which the words from ``at`` to ``stop`` made; what goes on behind them.
+    """What the rows from ``before`` on leave, which the words from ``at`` to ``stop`` made; what goes on after them.
 
     start: where the axes stood; numbers: lines of the source by those that the rows have, None where these are it.
     """

@@ -1,8 +1,8 @@
 """Lines of controllers that run DIN 66025 blocks with Pascal inside (McuWIN): gathered, judged, and executed in order.
 
-A line may have several codes, each with the words behind it. Modes, F, S, T and D act before the line's motion wherever
-they stand; what would make another path if it acted behind it is not modelled there. G04 and M codes act before the
-motion where they stand in front of its words, else behind it. What a line without a code goes on with, the frontend
+A line may have several codes, each with the words after it. Modes, F, S, T and D act before the line's motion wherever
+they stand; what would make another path if it acted after it is not modelled there. G04 and M codes act before the
+motion where they stand in front of its words, else after it. What a line without a code goes on with, the frontend
 decides in source order (3.1). Source: APCI-8001 G-code manual, McuWIN V 2.5.3.133.
 """
 
@@ -31,7 +31,7 @@ _LATER = frozenset((
     F.FLOOD_ON, F.COOLANT_OFF, F.OUTPUT_ON, F.OUTPUT_OFF, F.OUTPUT_WORD, F.APPLICATION, F.DEVICE, F.SAVE_VARIABLE,
     F.RESTORE_VARIABLE, F.HOME,
 ))  # fmt: skip
-"""Functions of codes that act where they stand, before the motion or behind it."""
+"""Functions of codes that act where they stand, before the motion or after it."""
 _ENDS = (F.END, F.END_RESET)
 
 
@@ -104,7 +104,7 @@ def _handle(run: McuWinRun, part: Part) -> None:
 
 
 def _judge_place(run: McuWinRun, line: Gathered, part: Part, motion: CodeRule | None) -> None:
-    """Refusal GP113 for a mode behind the words of a move, where acting behind it would make another path."""
+    """Refusal GP113 for a mode after the words of a move, where acting after it would make another path."""
     s, rule = run.modal, part.rule
     assert rule is not None
     if motion is None or part.at < line.words_from:

@@ -109,7 +109,7 @@ def effective_radius(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 
 def units(run: McuWinRun, line: Part, rule: CodeRule) -> None:
-    """G70, G71: positions and feeds of interpolation; F is asked for anew."""
+    """G70, G71: positions and feeds of interpolation; F is required again."""
     s = run.modal
     new = INCH if rule.function is F.UNITS_INCH else 1.0
     s.stated.add("units")
@@ -160,7 +160,7 @@ def spline(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 
 def centers(run: McuWinRun, line: Part, rule: CodeRule) -> None:
-    """G161: places in G90 (3.35); G162: distances (3.36). Each stands over what IniCfg has."""
+    """G161: places in G90 (3.35); G162: distances (3.36). Each is over what IniCfg has."""
     s = run.modal
     s.own = s.own.but(centers_absolute=rule.function is F.CENTERS_ABSOLUTE, center=None)
 

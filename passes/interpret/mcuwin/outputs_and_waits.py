@@ -2,7 +2,7 @@
 
 APCI-8001 G-code manual 3.5 (G04), 3.23 (G74), chapter 4 (M codes), 5.3 to 5.6 (F, S, T, D), 11 and 12 (what programs
 read). Task 0 is application code: a code does what the machine's file states. Of one about which it states nothing,
-that which the manual says can move no axis does what the manual calls it; behind any other nobody knows the places.
+that which the manual says can move no axis does what the manual calls it; after any other nobody knows the places.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def optional_stop(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 
 def end(run: McuWinRun, line: Part, rule: CodeRule) -> None:
-    """M02, M30: nothing of the job comes behind; Task 0 is called, in V 2.5.3.32 not for M02 (4.3, 5.3 there)."""
+    """M02, M30: nothing of the job comes after; Task 0 is called, in V 2.5.3.32 not for M02 (4.3, 5.3 there)."""
     stated = din_of(run.machine).task(rule.text)
     quiet = rule.function is F.END and din_of(run.machine).version == VERSIONS[1]
     if stated is not None and stated.action == "unknown" and not quiet:
@@ -457,7 +457,7 @@ def read_named(run: McuWinRun, node: Named) -> Value:
 
 
 def read_input(run: McuWinRun, node: Input) -> Value:
-    """The state of a digital input, of which the number of its axis stands in front (4.11, 7): the setup's, or open."""
+    """The state of a digital input, of which the number of its axis is in front (4.11, 7): the setup's, or open."""
     value = run.evaluator.value(node.number)
     if isinstance(value, Unknown):
         return Unknown(value.cause, 0.0, 1.0)

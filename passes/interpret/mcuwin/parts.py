@@ -21,7 +21,7 @@ Words = Sequence[tuple[str, Value, Span]]
 
 
 _NAMES_AXES = (F.INTERPOLATION_AXES, F.HOME, F.APPLICATION)
-"""Functions of codes behind which a letter may stand alone."""
+"""Functions of codes after which a letter may stand alone."""
 
 
 @record(slots=True)

@@ -170,7 +170,7 @@ def _own_symbols(run: McuWinRun) -> str:
 def _narrow(run: McuWinRun, now: Correction, new: Element) -> Corner | None:
     """Where the tool may be around the corner of two lines; the symbols of the first one hold no more than it needs.
 
-    Round, cut or mitred, inside or outside: the way around a corner lies within the triangle of where the paths beside
+    Round, cut or mitred, inside or outside: the way around a corner is within the triangle of where the paths beside
     its lines end and meet. None: the corner is none of two lines.
     """
     last = now.last

@@ -51,7 +51,7 @@ class McuWinDialect(Dialect[McuWinRun]):
         return fits(number, value, self.whole)
 
     def first_state(self, program: Program, setup: Setup, machine: Machine) -> McuWinModal:
-        """The state in which a job begins."""
+        """The state in which a job starts."""
         return McuWinModal(program.rules, setup, machine)
 
     def begin(self, run: McuWinRun) -> None:
@@ -195,13 +195,13 @@ class McuWinDialect(Dialect[McuWinRun]):
             run.modal.own = run.modal.own.but(contour=False)
 
     def is_unended(self, run: McuWinRun, frame: Frame) -> bool:
-        """Whether the text of a module is over without an end (GP515): what stands behind it is another module."""
+        """Whether the text of a module is over without an end (GP515): what comes after it is another module."""
         if frame.at > len(frame.body):
             return False
         node = frame.node
         if node is None:
             old = din_of(run.machine).version == VERSIONS[1]
-            # Before 2.5.3.90 a program needed no M30, where nothing else stands behind it (14 (2.5.3.30)).
+            # Before 2.5.3.90 a program needed no M30, where nothing else is after it (14 (2.5.3.30)).
             ends = old and not any(sub.is_module for sub in self.program.subprograms.values())
             return frame.body is self.program.body and not ends
         return isinstance(node, Subprogram) and (node.is_module or node.name[:1].isdigit())

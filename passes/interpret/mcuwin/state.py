@@ -62,7 +62,7 @@ class McuWinState:
     doubtful: those that one reading counts in besides; at_start: those where G60 is read once; programmed_axes: a G60
     has come (3.20). centers_absolute: centres are places in G90, None: not stated. plane_open: G18 or G19 without a
     tool table (2.7). spline: G151. feed: mm/min of linear moves, NaN: not known, for feed_cause; given: an F has come;
-    asked: the code behind which F must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated;
+    asked: the code after which F must be given again (3.21, 3.22, 3.28); time_unit: seconds, None: not stated;
     constant_speed: G96. center: I and J of the last arc in mm. side: of the radius compensation that is on, 1 left, -1
     right, 0 off; idle: the same while the tool's radius is 0; corrected: what is known of the compensation, None:
     nothing; tool: the record that is selected, chosen: by a T of the job. lower, upper: software limits that hold now

@@ -33,7 +33,7 @@ FROM_WHERE = "program G53 before it: the manual does not say whether it counts f
 
 
 def end_contour(run: McuWinRun, line: Part, code: str) -> bool:
-    """GP513 where moves come before that could have been joined with those behind; whether that is so."""
+    """GP513 where moves come before that could have been joined with those after; whether that is so."""
     s = run.modal
     broke = s.own.contour
     if broke:
@@ -43,7 +43,7 @@ def end_contour(run: McuWinRun, line: Part, code: str) -> bool:
 
 
 def _changed(run: McuWinRun, line: Part, code: str, record: int) -> None:
-    """Told in the Trace; 1 behind the number: the axes rest for it."""
+    """Told in the Trace; 1 after the number: the axes rest for it."""
     broke = end_contour(run, line, code)
     run.state_changed()
     run.event(Op.OFFSET, line.span, arg=(float(record), float(broke)))
@@ -266,20 +266,20 @@ def _open_ends(
 
 
 def _past_all(axis: Axis, place: float, *, left: bool) -> bool:
-    """Whether a limit lies past the one of the machine's file and nobody stated the end stop behind it."""
+    """Whether a limit is past the one of the machine's file and nobody stated the end stop after it."""
     soft, travel = (axis.lower, axis.travel_lower) if left else (axis.upper, axis.travel_upper)
     return travel is None and soft is not None and (place < soft if left else place > soft)
 
 
 def _stands(run: McuWinRun, line: Part, axis: int, limits: list[Position], *, left: bool) -> None:
-    """GP301 where the axis stands past its new limit, which the controller watches at once (13.1.1.7); else GP304.
+    """GP301 where the axis is past its new limit, which the controller watches at once (13.1.1.7); else GP304.
 
     limits: where it is in each reading; past some of them only is GP302.
     """
     at, word = run.modal.position[axis], run.machine.word(axis)
     if at == NOWHERE:
         return
-    # How far past each limit it stands, at least and at most.
+    # How far past each limit it is, at least and at most.
     rooms = [_ends(run, limit.minus(at) if left else at.minus(limit)) for limit in limits if limit != NOWHERE]
     if not all(math.isfinite(low) for low, _ in rooms):
         run.assumed[f"{word} is within the limits that G98 and G99 set where they set them"] = None
@@ -301,7 +301,7 @@ def _stands(run: McuWinRun, line: Part, axis: int, limits: list[Position], *, le
 
 
 def _use_limits(run: McuWinRun) -> None:
-    """Rows carry the limits; where one lies beyond that of the machine's file, the end stops of the axis decide."""
+    """Rows carry the limits; where one is beyond that of the machine's file, the end stops of the axis decide."""
     s = run.modal
     wider = False
     for axis in run.machine.axes:

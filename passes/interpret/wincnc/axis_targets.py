@@ -72,7 +72,7 @@ def aim(run: WinCncRun, line: Command, *, machine: bool = False) -> list[Positio
 
 
 def _doubt_machine(run: WinCncRun, line: Command, words: dict[int, Value]) -> None:
-    """Refusal where more than tool measures and local coordinates, which G53 ignores, lies between words and places."""
+    """Refusal where more than tool measures and local coordinates, which G53 ignores, is between words and places."""
     s = run.modal
     if not is_absolute(run) and words:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="G53 with distances (G91, L91)"))
@@ -91,7 +91,7 @@ def _doubt_other(run: WinCncRun, line: Command, words: dict[int, Value]) -> None
     """Refusal GP276 for one of X and Y alone while G52 turns both, where nobody knows the other one of the program.
 
     It is the one that was programmed last, or what the place of the machine is when it is turned back: the same once
-    both were named behind G52, or where the axes stood at the middle of the turn.
+    both were named after G52, or where the axes stood at the middle of the turn.
     """
     s = run.modal
     if {0, 1} <= words.keys():

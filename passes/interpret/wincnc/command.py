@@ -29,7 +29,7 @@ MAPPINGS = (F.MAP_WORDS, F.MAP_HEADS, F.MAP_PULSES)
 class Command(Line):
     """A line of one command. command: its rule, None for a line without one; columns: of the axis words.
 
-    texts: by letter; comment: behind the words; bare: letters without a number; letters: of a command that maps axes,
+    texts: by letter; comment: after the words; bare: letters without a number; letters: of a command that maps axes,
     in order.
     """
 
@@ -140,7 +140,7 @@ def is_number(value: Value) -> bool:
 
 
 def measure_behind(words: Words) -> int:
-    """Where an M37 begins behind a move on one line (G31: a tool that touches its switch is measured at once), or 0."""
+    """Where an M37 starts after a move on one line (G31: a tool that touches its switch is measured at once), or 0."""
     for n, (letter, value, _) in enumerate(words):
         if n and letter == "M" and value == 37.0:
             before = [v for k, v, _ in words[:n] if k == "G"]
@@ -149,7 +149,7 @@ def measure_behind(words: Words) -> int:
 
 
 def judge_line(rules: LanguageRules, columns: dict[str, int], span: Span, words: Words) -> None:
-    """Refusal for a line that means nothing by itself, the line behind a measure included."""
+    """Refusal for a line that means nothing by itself, the line after a measure included."""
     behind = measure_behind(words)
     for part in (words[:behind], words[behind:]) if behind else (words,):
         _judge_part(rules, columns, span, part)

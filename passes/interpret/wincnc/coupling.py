@@ -73,7 +73,7 @@ def went_along(s: WinCncModal, target: list[Position], named: frozenset[int]) ->
 
 
 def drifted(single: WinCncState, position: list[Position], target: list[Position]) -> WinCncState:
-    """The state behind a move: how far followers went with their leaders."""
+    """The state after a move: how far followers went with their leaders."""
     ways = dict(single.drift)
     for axis, _ in single.slaves:
         way = ways.get(axis, STILL).plus(target[axis].minus(position[axis]))

@@ -127,7 +127,7 @@ def torch(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def _height_acts(run: WinCncRun) -> bool:
-    """Whether height control may move Z: after L36, and before the job's first L37, as nobody says how it begins."""
+    """Whether height control may move Z: after L36, and before the job's first L37, as nobody says how it starts."""
     flags = run.modal.own.flags
     return "height" in flags or ("height off" not in flags and run.setup.default_offset is None)
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def _homing_order(run: WinCncRun, axes: list[int]) -> list[int]:
-    """Axes as the lines of g28move= have them, others behind."""
+    """Axes as the lines of g28move= have them, others after."""
     listed = [AXIS_NAMES.index(name) for line in wincnc_settings(run.machine).homing for name, _ in line.distances]
     return sorted(axes, key=lambda axis: (listed.index(axis) if axis in listed else len(listed), axis))
 
@@ -91,7 +91,7 @@ def _warn_kept(run: WinCncRun, line: Command, rule: CodeRule, axes: list[int]) -
 def set_machine(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """L28: the present place gets these machine coordinates.
 
-    At a limit switch that the job has found, and behind it, that is how machine zero comes about: positions count from
+    At a limit switch that the job has found, and after it, that is how machine zero comes about: positions count from
     there. Anywhere else the machine's ends stay where they are, and so do positions; what the controller counts from
     machine zero (words, G53, stored places, soft limits, boundaries) moves with it.
     """

@@ -101,9 +101,9 @@ def _run_alone(run: WinCncRun, span: Span, words: Words, texts: Texts, comment: 
 
 
 def _open_name(words: Words) -> str:
-    """The name of letters and digits with which a line begins that is none of its words alone; "" where there is none.
+    """The name of letters and digits with which a line starts that is none of its words alone; "" where there is none.
 
-    A word of two letters or more (``PARK``, ``TOOL3``), or a letter that begins no line (``Q5``).
+    A word of two letters or more (``PARK``, ``TOOL3``), or a letter that starts no line (``Q5``).
     """
     name, ends = "", -1
     for letter, value, where in words:

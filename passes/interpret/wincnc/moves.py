@@ -105,7 +105,7 @@ def without_command(run: WinCncRun, line: Command, handlers: Mapping[F, Handler]
         return
     if s.motion == 0 and not s.cycle_code and not stored and not run.takes(accepts.KEPT_MOTION):
         hint = accepts.KEPT_MOTION.hint
-        # G0 and G1 stay, and no section says what a file begins with: whether, and how, such words move is not known.
+        # G0 and G1 stay, and no section says what a file starts with: whether, and how, such words move is not known.
         code = codes.AXIS_WORDS_UNUSED.as_unknown()
         raise Refusal(code.at(line.span, why="no motion code comes before", hint=hint))
     rule = run.program.rules.codes["G", s.cycle_code] if s.cycle_code else run.motion_rules.get(s.motion)
@@ -386,7 +386,7 @@ def stored_place(run: WinCncRun, line: Command, op: Op, *, machine: bool = False
         heads = vertical_axes(run.machine)
         over_heads(run, line, target, heads, _clearance(run, f"{letter}{number}"))
         for column in set(heads) - words.keys() if words else ():
-            # A head that is not named: whether it comes down again behind the lift is not said.
+            # A head that is not named: whether it comes down again after the lift is not said.
             top = run.machine.axis(AXIS_NAMES[column])
             is_known = top is not None and top.upper is not None and column not in dict(s.own.zeros)
             high = max(0.0, top.upper) if is_known and top is not None and top.upper is not None else math.inf

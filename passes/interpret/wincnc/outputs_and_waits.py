@@ -197,7 +197,7 @@ def level_heads(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     note_assumptions(run, line.span)
     target = list(s.position)
     if heads:
-        # At machine zero the tip of an axis stands at minus its measure: the lowest of them all can reach.
+        # At machine zero the tip of an axis is at minus its measure: the lowest of them all can reach.
         height = min(-s.tool_offset[axis].value for axis in heads)
         for axis in heads:
             target[axis] = Position(height + s.tool_offset[axis].value)

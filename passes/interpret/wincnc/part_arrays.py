@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 FEW_CELLS = 4
 """So many cells at once are worth the call."""
 MOST_LINES = 1000
-"""Lines of a cell that is run with others at once; in longer ones what lies between cells is no matter."""
+"""Lines of a cell that is run with others at once; in longer ones what is between cells is no matter."""
 
 
 class PlainCells:
@@ -105,7 +105,7 @@ def _need_own_axes(run: WinCncRun, node: Array) -> None:
 
 
 def next_cell(run: WinCncRun, cells_of: PlainCells, frame: Frame) -> bool:
-    """Behind a cell: to the next one, True; behind the last one back to the first, False."""
+    """Behind a cell: to the next one, True; after the last one back to the first, False."""
     cells = frame.cells
     assert cells is not None
     run.flow.hot_blocks.run_pending()

@@ -48,7 +48,7 @@ class WinCncDialect(Dialect[WinCncRun]):
         self.plain_cells = part_arrays.PlainCells(self.cells)
 
     def first_state(self, program: Program, setup: Setup, machine: Machine) -> WinCncModal:
-        """The state in which a job begins."""
+        """The state in which a job starts."""
         return WinCncModal(program.rules, setup, machine)
 
     def nesting(self, machine: Machine) -> int:
@@ -97,7 +97,7 @@ class WinCncDialect(Dialect[WinCncRun]):
         return read_input(run, node, run.evaluator)
 
     def call(self, run: WinCncRun, node: Call) -> None:
-        """Run a file with the words of its call; local coordinates are the caller's again behind it."""
+        """Run a file with the words of its call; local coordinates are the caller's again after it."""
         arguments = tuple((word.letter, run.evaluator.value(word.value)) for word in node.arguments)
         s = run.modal
         kept = Kept(tuple(s.g92), s.own.keep_local, s.own.arguments)
@@ -131,7 +131,7 @@ class WinCncDialect(Dialect[WinCncRun]):
         part_arrays.begin_array(run, node)
 
     def next_cell(self, run: WinCncRun, frame: Frame) -> bool:
-        """Behind a cell: to the next one, True; behind the last one back to the first, False."""
+        """Behind a cell: to the next one, True; after the last one back to the first, False."""
         return part_arrays.next_cell(run, self.plain_cells, frame)
 
     def back_from_file(self, run: WinCncRun, kept: Kept | None) -> None:

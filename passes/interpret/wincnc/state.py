@@ -67,7 +67,7 @@ class WinCncState:
     heights: measures stored by tool number; switch_heights: TM1 and TM2; before: measures that G49 put aside.
     arc_feed: mm/min of arcs, None before their first F; feed_doubt: an arc had an F since the last one of lines in X
     and Y, another one; scales: (column, Scaling) of axes beside X and Y (G51), a factor of NaN: open; places: stored
-    positions as (name, places by column, whether heads are lifted); auto_dwell: seconds behind switching the automatic
+    positions as (name, places by column, whether heads are lifted); auto_dwell: seconds after switching the automatic
     output on and off. knife: its settings now, None: those of the machine's file; spans: ((column, low, high), place)
     of places between two readings. unworn: tools of the library that L500.2 gave one diameter, nominal and actual, and
     nothing to compensate; diameters: those that it gave. kept_feeds: (unit, feeds, arc_feed) before the unit changed,
@@ -136,8 +136,8 @@ SAME_PLACE = 1e-9
 def turned_shift(space: Workspace, axis: int) -> tuple[float, float] | None:
     """Between what a turning spindle (g54= T3) shifts X or Y, mm, whatever is meant by its shift and its radius.
 
-    Where the tool stands as the spindle turns is a place on a circle; counted from the circle's middle it is at most R
-    away, counted from where it stands at 0 degrees at most 2 R, and the file's shift may count either way. None: not
+    Where the tool is as the spindle turns is a place on a circle; counted from the circle's middle it is at most R
+    away, counted from where it is at 0 degrees at most 2 R, and the file's shift may count either way. None: not
     bounded.
     """
     if space.kind != TURNING or space.radius is None:
@@ -159,7 +159,7 @@ def turning(space: Workspace | None) -> str:
 
 
 def machine_zero(single: WinCncState, axis: int) -> Position:
-    """Where the controller's machine zero of an axis lies: 0 unless L28 moved it."""
+    """Where the controller's machine zero of an axis is: 0 unless L28 moved it."""
     return next((place for column, place in single.zeros if column == axis), STILL)
 
 

@@ -1,4 +1,4 @@
-"""A knife that turns with the path on controllers of one command a line: rows before and behind each cut.
+"""A knife that turns with the path on controllers of one command a line: rows before and after each cut.
 
 WinCNC Users Guide, L Codes: L30, L30.1, L31; WINCNC.INI Settings: knifemode=, knifeangle=. What the manual defines: an
 axis turns the knife; where the direction changes by more than the lift angle, the head goes up to the lift position,
@@ -182,7 +182,7 @@ class Turning:
     def cut(
         self, op: Op, target: list[Position], center: list[float] | None, turns: int
     ) -> tuple[list[Position], Position | None]:  # fmt: skip
-        """Before a cut; where it ends, and where the vertical axis goes behind it, None: nowhere."""
+        """Before a cut; where it ends, and where the vertical axis goes after it, None: nowhere."""
         s = self.run.modal
         arc = op is Op.ARC and center is not None
         if not arc and not self._has_direction(target):
@@ -223,7 +223,7 @@ class Turning:
         return target, back
 
     def _problem(self, target: list[Position]) -> str:
-        """Why the knife can not be followed along this move, "" where it can."""
+        """Why the knife cannot be followed along this move, "" where it can."""
         s = self.run.modal
         word = self.run.machine.word(self.axis)
         if s.compensation is not None or "compensation" in s.own.flags:
@@ -252,7 +252,7 @@ class Turning:
             target[self.up] = lost
 
     def _lifts(self, low: float, high: float, first: float, last: float, *, arc: bool) -> bool | None:
-        """Whether the turn lifts the knife; None: one can not say."""
+        """Whether the turn lifts the knife; None: one cannot say."""
         if first == last:
             least = 0.0 if low <= last <= high else min(abs(last - low), abs(last - high))
             most = max(abs(last - low), abs(last - high))
@@ -292,12 +292,12 @@ class Turning:
     def _height(
         self, target: list[Position], before: Position, lifts: bool | None, *, within_arc: bool
     ) -> Position | None:  # fmt: skip
-        """Down again, and the height of the cut; where it goes behind an arc in which it may be lifted."""
+        """Down again, and the height of the cut; where it goes after an arc in which it may be lifted."""
         s = self.run.modal
         named = target[self.up] != before
         down = before
         if lifts is not False or self.mode.automatic:
-            # M0: where it was, or the lower position; M1: the same, behind a rapid move too.
+            # M0: where it was, or the lower position; M1: the same, after a rapid move too.
             down = self.between(self.up, before, self._bottom())
             self._go(Op.FEED, self.up, down)
         if not named:
@@ -351,7 +351,7 @@ def switched(run: WinCncRun, span: Span) -> None:
 def turn_before(
     run: WinCncRun, mode: KnifeMode, op: Op, target: list[Position], span: Span, center: list[float] | None, turns: int
 ) -> tuple[list[Position], Position | None]:  # fmt: skip
-    """The rows before a move; where it ends, and where the vertical axis goes behind it, None: nowhere."""
+    """The rows before a move; where it ends, and where the vertical axis goes after it, None: nowhere."""
     turning = Turning(run, mode, span)
     target = list(target)
     if target[turning.axis] != run.modal.position[turning.axis]:

@@ -95,7 +95,7 @@ def load_registers(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def compensation(run: WinCncRun, line: Command, rule: CodeRule) -> None:
-    """G40 to G42: for differences of tool diameters; how the path lies beside the programmed one is not described.
+    """G40 to G42: for differences of tool diameters; how the path is beside the programmed one is not described.
 
     Nothing moves aside for O0 on a machine without a tool changer, and on one with a changer for a tool to which the
     job's own L500.2 gave one diameter, nominal and actual. Else X and Y are not known until G40 and their next words:

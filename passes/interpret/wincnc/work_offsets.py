@@ -144,7 +144,7 @@ def local_set(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def local_shift_machine(run: WinCncRun, line: Command, rule: CodeRule) -> None:
-    """G92.1: local zero lies at this machine position."""
+    """G92.1: local zero is at this machine position."""
     found = {axis: distance(run, axis, value) for axis, value in line.axes().items()}
     _doubt_zeros(run, line, rule, found)
     _set_local(run, line, found)
@@ -279,7 +279,7 @@ def workspace(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def _turn(run: WinCncRun, line: Command, rule: CodeRule, space: Workspace | None) -> NoReturn:
-    """G54 to G59 of types 3 and 5, and with X and Y: what turns and where it stands then is open.
+    """G54 to G59 of types 3 and 5, and with X and Y: what turns and where it is then is open.
 
     A shift of type 3 is bounded where R is known: at most twice the radius from that of the file, however it turns, if
     at all (``single_state.turned_shift``), so that what no direction keeps within limits is still told.
