@@ -11,7 +11,7 @@ ARC_RADIUS_MISMATCH = code(
     401,
     "arc-radius-mismatch",
     _E,
-    "radius {start:.4f} {unit} at the start, {end:.4f} {unit} at the end: {off:.4g} {unit} apart, at most "
+    "radius {start:.4f} {unit} at the start, {end:.4f} {unit} at the end: {off:.4f} {unit} apart, at most "
     "{allowed:g} {unit} allowed",
     "arcs",
 )

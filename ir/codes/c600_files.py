@@ -16,7 +16,7 @@ ACCELERATION_BOUNDS = code(
     606,
     "acceleration-bounds",
     _W,
-    "{axis}: acceleration times resolution is {steps:.0f} steps/s^2; the manual's maximum is {allowed:.0f} steps/s^2",
+    "{axis}: acceleration times resolution is {steps:.0f} steps per second squared; the manual allows {allowed:.0f}",
     "files",
 )
 MACRO_FILE_MISSING = code(

@@ -28,6 +28,7 @@ _KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b|--[a-z-]+")
 _PREFIX = re.compile(r"(?P<place>.*? (?:error|unknown|warning|note) (?P<code>GP\d{3}) \[[a-z0-9-]+\] )(?P<message>.*)")
 _LEAD = re.compile(r"\s*(?:=\s+(?:hint:|note:)?|\.\.\.|assuming\b)?\s*")
 _IN_FORM = re.compile(r'"(?:[^"\\]|\\.)*"')
+_BLANKS, _BREAKS = re.compile(r"\s+"), re.compile(r"(?<=[(\[]) | (?=[)\]])")
 _DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
 _CAPITALS = re.compile(r"\b[A-Z]{2,}\b")
 _QUOTED_LINE = re.compile(r" *\d* \|")
@@ -50,17 +51,25 @@ class Wordings:
 
     def explain(self, differing: dict[str, tuple[str, str]]) -> dict[str, tuple[str, str]]:
         """Those aspects of a program that differ in more than sentences; the wordings of the others are counted."""
-        left = {}
+        left, found = self._explained(differing, hashes=len(differing) > 1)
+        if left:  # digests of what differs in more than words are differences too
+            left, found = self._explained(differing, hashes=False)
+        self.count += found
+        return left
+
+    def _explained(
+        self, differing: dict[str, tuple[str, str]], *, hashes: bool
+    ) -> tuple[dict[str, tuple[str, str]], Counter[tuple[str, str, str]]]:
+        left, counted = {}, Counter[tuple[str, str, str]]()
         for name, texts in differing.items():
             found: Counter[tuple[str, str, str]] = Counter()
-            mine = _Pairing(name, found, self.rounded, hashes=len(differing) > 1)
             try:
-                mine.texts(*texts)
+                _Pairing(name, found, self.rounded, hashes).texts(*texts)
             except Different:
                 left[name] = texts
             else:
-                self.count += found
-        return left
+                counted += found
+        return left, counted
 
     def lines(self) -> list[str]:
         """The list, by code."""
@@ -86,12 +95,19 @@ class _Pairing:
         try:
             trees = json.loads(one), json.loads(other)
         except ValueError:
-            self.lines(
-                one, other, printed=not (self.name == "fmt" or self.name.startswith("dump") or ".ir" in self.name)
-            )
+            self._other_text(one, other)
         else:
             self.trees(*trees, code="")
-        self.lines(errors, others, printed=True)
+        self.lines(errors, others)
+
+    def _other_text(self, before: str, now: str) -> None:
+        """A text form, a program, or lines for people."""
+        if self.name.startswith("dump") or self.name.endswith(".ir"):
+            self.form(before, now)
+        elif self.name != "fmt":
+            self.lines(before, now)
+        elif before != now:
+            raise Different
 
     def trees(self, before: Any, now: Any, code: str) -> None:
         """Two values of a report, of which only sentences may differ."""
@@ -131,17 +147,14 @@ class _Pairing:
         if self.hashes and _DIGEST.sub("", before) == _DIGEST.sub("", now):
             return
         if "\n" in before or "\n" in now:
-            self.lines(before, now, printed=True)
+            self.lines(before, now)
             return
         if " " not in before or " " not in now:
             raise Different
         self.sentence(before, now, code)
 
-    def lines(self, before: str, now: str, *, printed: bool) -> None:
-        """Two texts, line by line; a finding's message gives its code to the lines below it.
-
-        printed: for people; a text form or a program else.
-        """
+    def lines(self, before: str, now: str) -> None:
+        """Two texts, line by line; a finding's message gives its code to the lines below it."""
         code = REPORT
         one, other = before.splitlines(), now.splitlines()
         if len(one) != len(other):
@@ -154,11 +167,9 @@ class _Pairing:
                 code = REPORT
             if old == new or (self.hashes and _DIGEST.sub("", old) == _DIGEST.sub("", new)):
                 continue
-            if _QUOTED_LINE.match(old) or (self.name == "fmt" and not printed):
+            if _QUOTED_LINE.match(old):
                 raise Different
-            if not printed:
-                self.form(old, new)
-            elif first is not None and second is not None:
+            if first is not None and second is not None:
                 if first["place"] != second["place"]:
                     raise Different
                 self.sentence(first["message"], second["message"], code)
@@ -170,8 +181,9 @@ class _Pairing:
                 self.sentence(old[lead.end() :], new[led.end() :], code)
 
     def form(self, old: str, new: str) -> None:
-        """A line of a text form: only its quoted texts may differ."""
-        if _IN_FORM.sub('""', old) != _IN_FORM.sub('""', new):
+        """A text form: only its quoted texts may differ, and where its lines are broken for them."""
+        one, other = (_BREAKS.sub("", _BLANKS.sub(" ", _IN_FORM.sub('""', text))) for text in (old, new))
+        if one != other:
             raise Different
         for one, other in zip(_IN_FORM.findall(old), _IN_FORM.findall(new), strict=True):
             if one != other:

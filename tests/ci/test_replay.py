@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from collections import Counter
@@ -17,6 +18,7 @@ sys.path.insert(0, str(FOLDER))
 from cases import all_cases  # noqa: E402  (scripts/replay is no package)
 from named_fields import Mapping  # noqa: E402
 from revisions import site_of  # noqa: E402
+from wordings import Wordings  # noqa: E402
 from worker import FAILED, answer, aspects  # noqa: E402
 
 LIMITS, POCKET = "docs/codes/GP301/bad (eding)", "corpus/eding/pocket-in-steps/job.cnc"
@@ -56,6 +58,74 @@ def test_planted_changes_are_caught(tmp_path: Path) -> None:
 def test_the_same_is_the_same(tmp_path: Path) -> None:
     done = replay(str(site_of(ROOT, tmp_path)), "--only", "GP301/bad")
     assert (done.returncode, done.stderr) == (0, "")
+
+
+SENTENCE = (
+    "{axis} would reach {reached:.3f} {unit}, {over:.3f} {unit} past its {side} travel limit of {limit:.3f} {unit}"
+)
+SAME_FACTS = "past its {side} end of {limit:.4f} {unit} by {over:.3f} {unit}: {axis} gets to {reached:.3f} {unit}"
+WITHOUT_A_NUMBER = "{axis} would reach {reached:.3f} {unit}, past its {side} travel limit of {limit:.3f} {unit}"
+
+
+@pytest.mark.parametrize(("planted", "code"), [(SAME_FACTS, 0), (WITHOUT_A_NUMBER, 1)], ids=["wording", "lost number"])
+def test_other_words_are_listed_and_lost_facts_are_differences(planted: str, code: int, tmp_path: Path) -> None:
+    site = site_of(ROOT, tmp_path)
+    path = site / "gproof" / "ir" / "codes" / "c300_limits.py"
+    text = path.read_text(encoding="utf-8")
+    assert text.count(SENTENCE) == 1
+    path.write_text(text.replace(SENTENCE, planted), encoding="utf-8")
+    done = replay(str(site), "--only", LIMITS)
+    assert done.returncode == code, done.stdout + done.stderr
+    listed = [line for line in done.stdout.splitlines() if line.startswith("GP301: ")]
+    assert len(listed) == (code == 0)
+    assert code or ("gets to # mm → X would reach # mm, # mm past its" in listed[0] and "rounded" not in listed[0])
+    assert ("check differs" in done.stdout) is (code == 1)
+
+
+def told(old: str, new: str, name: str = "check") -> tuple[bool, list[str]]:
+    """Whether two lines of a report differ in words alone, and the list."""
+    wordings = Wordings()
+    place = "job.cnc:3:1: error GP301 [soft-limit] "
+    left = wordings.explain({name: (f"{place}{old}\nend\n", f"{place}{new}\nend\n")})
+    return not left, wordings.lines()
+
+
+def test_what_is_another_wording() -> None:
+    """The same numbers, as often, three decimals for four; the same names."""
+    assert told("X goes to 5.12345 mm", "X moves to 5.123 mm") == (
+        True,
+        ["GP301: X goes to # mm → X moves to # mm (1, rounded)"],
+    )
+    for old, new in (
+        ("X goes to 5.1 mm", "X moves to 5 mm"),
+        ("X goes to 5 mm of 5 mm", "X moves to 5 mm"),
+        ("X goes to 5 mm", "X moves to 5 mm of 5 mm"),
+        ("X goes to 5.1238 mm", "X moves to 5.123 mm"),
+        ("X goes to 5 mm", "Y moves to 5 mm"),
+        ("it goes into 'clamp'", "it hits 'vice'"),
+        ("set max_feed", "change the feed"),
+        ("limits are SAFE here", "limits are UNSAFE here"),
+    ):
+        assert told(old, new) == (False, []), (old, new)
+    assert told("the axis goes", "the axis moves", "fmt")[0] is False
+
+
+def test_places_codes_and_values_are_no_words() -> None:
+    """Of a report as JSON; sentences may stand in another order, where they alone made it."""
+
+    def of(message: str, line: int = 3, verdict: str = "SAFE") -> str:
+        return json.dumps({"verdict": verdict, "findings": [{"code": "GP301", "line": line, "message": message}]})
+
+    for other, alike in (
+        (of("X moves there"), True),
+        (of("X moves there", 4), False),
+        (of("X moves there", 3, "UNSAFE"), False),
+    ):
+        assert (Wordings().explain({"check, json": (of("X goes there"), other)}) == {}) is alike
+    form = '(Op text: "X goes there" op: "feed" at: 3)'
+    assert not Wordings().explain({"dump, trace": (form, form.replace("goes", "moves"))})
+    assert Wordings().explain({"dump, trace": (form, form.replace('"feed"', '"rapid"'))})
+    assert Wordings().explain({"dump, trace": (form, form.replace("at: 3", "at: 4"))})
 
 
 def test_no_language_is_empty() -> None:

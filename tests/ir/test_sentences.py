@@ -21,9 +21,9 @@ FIELD = re.compile(r"\{(\w+)(?:![rs])?(?::[^{}]*)?\}")
 NUMBER = re.compile(r"\{(\w+):[^{}]*[fg]\}")
 UNIT = re.compile(r" \{unit\}| (?:mm|s|rpm|degrees|steps|times)\b|/min")
 NO_UNIT = {
-    (263, "value"), (306, "value"), (401, "off"), (217, "depth"), (267, "depth"), (217, "r"), (267, "r"), (267, "top"),
+    (263, "value"), (306, "value"), (217, "depth"), (267, "depth"), (217, "r"), (267, "r"), (267, "top"),
     (277, "x"), (277, "y"), (406, "factor"), (282, "factor"), (213, "value"), (207, "value"), (263, "position"),
-    (263, "offset"),
+    (263, "offset"), (606, "allowed"),
 }  # fmt: skip
 """Numbers as programs have them, and factors."""
 FINER = {401, 403, 407, 408}

@@ -84,7 +84,7 @@ def test_the_worst_arc_is_found_behind_many(tmp_path: Path, capsys: pytest.Captu
     (group,) = (g for g in json.loads(checked(capsys, job, "--format", "json"))["groups"] if g["code"] == "GP401")
     assert (group["times"], group["line"], group["last_line"]) == (200, 3, 401)
     assert group["worst"]["line"] == 3 + 2 * off.index(max(off))
-    assert f"{max(off):.4g} mm apart" in group["worst"]["message"]
+    assert f"{max(off):.4f} mm apart" in group["worst"]["message"]
 
 
 FAR = ["G21 G90", *(f"G1 X{x} F600" for x in (590, 610, 620, 650, 640, 645)), "M30"]
