@@ -208,7 +208,7 @@ class ExecutionRecord:
         elif self.result is Result.UNDERRUN:
             found.append(codes.FIFO_UNDERRUN.at(place, what=self.reason))
         elif self.result is Result.EMERGENCY_STOP:
-            found.append(codes.EMERGENCY_STOP.at(place, what=self.reason))
+            found.append(codes.EMERGENCY_STOP.at(place, what=self.reason.removesuffix(": emergency stop")))
         for motor, name in enumerate(self.motors):
             early = [counts[motor] for counts in (self.observed.overlaps, self.observed.setups) if counts]
             if any(early):

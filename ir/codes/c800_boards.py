@@ -26,7 +26,7 @@ CERTIFICATE_MALFORMED = code(
     "compile the job again: the file was damaged, or another program made it",
 )  # fmt: skip
 CERTIFICATE_HASH = code(
-    821, "certificate-hash", _E, "the package was changed: {what}", "certificate",
+    821, "certificate-hash", _E, "the package is not intact: {what}", "certificate",
     "compile the changed job again, or get the package again",
 )  # fmt: skip
 CERTIFICATE_SIGNATURE = code(
@@ -95,7 +95,7 @@ RUN_INTERRUPTED = code(
     "home the machine, check tool and part, and only then run a job again",
 )  # fmt: skip
 JOURNAL_LOST = code(
-    838, "journal-lost", _W, "no journal or record kept: {what}", "run",
+    838, "journal-lost", _W, "journal or record not written as planned: {what}", "run",
     "free disk space, and keep the record that was written",
 )  # fmt: skip
 CERTIFICATE_VERSION = code(
