@@ -42,7 +42,7 @@ CERTIFICATE_VERDICT = code(
     "run gproof check: it says why the job is not SAFE; fix that first",
 )  # fmt: skip
 CERTIFICATE_OFFSETS = code(
-    825, "certificate-offsets", _E, "the offsets do not fit the certificate: {what}", "certificate",
+    825, "certificate-offsets", _E, "the setup does not fit the package: {what}", "certificate",
     "set the work zero inside the offset box, or compile the job again with the setup as it is now",
 )  # fmt: skip
 CERTIFICATE_UNSIGNED = code(

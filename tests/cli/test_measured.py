@@ -201,9 +201,9 @@ HERE = {"x": 10.0, "y": 20.0, "z": -100.0}
         ({"work": {(1, "x"): at(10.0), (1, "y"): at(20.0)}}, "G54 Z offset"),
         ({"start": {}}, "the start position of X"),
         ({"work": {(1, "x"): at(240.01), (1, "y"): at(20.0), (1, "z"): at(-100.0)}},
-         "the certificate is valid for G54 X offset from -100 to 240; now it is 240.01"),
+         "valid for G54 X offset from -100 to 240; now it is 240.01"),
         ({"work": {(1, "x"): at(240.001), (1, "y"): at(20.0), (1, "z"): at(-100.0)}},
-         "the certificate is valid for G54 X offset from -100 to 240; now it is 240.001"),
+         "valid for G54 X offset from -100 to 240; now it is 240.001"),
         ({"work": {(1, "x"): at(float("nan")), (1, "y"): at(20.0), (1, "z"): at(-100.0)}}, "G54 X offset"),
         ({"work": {(1, "x"): at(float("inf")), (1, "y"): at(20.0), (1, "z"): at(-100.0)}}, "G54 X offset"),
         ({"work": {(1, "x"): at(1e300), (1, "y"): at(20.0), (1, "z"): at(-100.0)}}, "G54 X offset"),
@@ -270,7 +270,7 @@ def test_an_axis_that_is_stated_stands_where_the_job_begins(tmp_path: Path) -> N
     now = dataclasses.replace(now, start=start)
     assert executed(package, now).result is Result.COMPLETED
     found = refused(package, dataclasses.replace(now, start={**start, "z": at(-81.0)}))
-    assert "the job starts with Z at machine position -80, but it is at -81" in found, found
+    assert any("the job starts with Z at machine position -80, but it is at -81" in one for one in found), found
 
 
 def test_a_range_that_is_stated_is_kept(tmp_path: Path) -> None:
@@ -279,7 +279,7 @@ def test_a_range_that_is_stated_is_kept(tmp_path: Path) -> None:
     now = stands(package, HERE)
     assert executed(package, now).result is Result.COMPLETED
     beyond = dataclasses.replace(now, work={**now.work, (1, "x"): at(15.5)}, start={**now.start, "x": at(15.5)})
-    assert "made for G54 X offset from 5 to 15; now it is 15.5" in refused(package, beyond)
+    assert any("made for G54 X offset from 5 to 15; now it is 15.5" in one for one in refused(package, beyond))
 
 
 @pytest.mark.parametrize("tables", ["pitch", "height_map"])
@@ -321,7 +321,8 @@ def test_a_body_without_its_conditions_asks_for_the_offsets_all_the_same(tmp_pat
     assert any("is not in the setup" in one for one in refused(forged, None))
     now = stands(package, HERE)
     wrong = dataclasses.replace(now, start={**now.start, "x": at(11.0)})
-    assert "the job starts with X at machine position 10, but it is at 11" in refused(forged, wrong)
+    said = "the job starts with X at machine position 10, but it is at 11"
+    assert any(said in one for one in refused(forged, wrong))
 
 
 def test_a_stream_that_is_damaged_is_refused_where_it_is_moved(tmp_path: Path) -> None:
@@ -354,7 +355,7 @@ def test_on_the_command_line(tmp_path: Path) -> None:
         assert "  taken       G54 Y offset as 20\n" in done.out
         done = in_this_process([*command, "--setup", "beyond.toml"], tmp_path)
         assert done.exit == 1
-        assert "the certificate is valid for G54 X offset from -100 to 240; now it is 250" in done.out
+        assert "valid for G54 X offset from -100 to 240; now it is 250" in done.out
     assert in_this_process(["run", "signed.gpx", "--board", "virtual"], tmp_path).exit == 1
 
 

@@ -229,7 +229,7 @@ def test_a_job_file_names_a_policy(shop: Shop, capsys: pytest.CaptureFixture[str
         ("job = 3\n", "must be a path or a list of paths"),
         ('job = "*.tap"\n', "no file matches '*.tap'"),
         ('job = "b-safe.cnc"\nmachin = "x"\n', "machin"),
-        ('job = "b-safe.cnc"\ndialect = "fanuc"\n', "'fanuc' is none of"),
+        ('job = "b-safe.cnc"\ndialect = "fanuc"\n', "'fanuc' is not one of"),
     ],
 )
 def test_a_bad_job_file_has_its_place(shop: Shop, capsys: pytest.CaptureFixture[str], text: str, said: str) -> None:

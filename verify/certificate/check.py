@@ -209,7 +209,7 @@ def _check_conditions(
                 stated += f" ({words.number(more)} more or less, rounded to motor steps)" if more else ""
                 names = describe(terms, package.machine)
                 finding = codes.CERTIFICATE_OFFSETS.at(
-                    where, what=f"the certificate is valid for {names} {words.between(low, high)}; now it is {stated}"
+                    where, what=f"valid for {names} {words.between(low, high)}; now it is {stated}"
                 )
                 findings.append(finding)
                 if known is None:

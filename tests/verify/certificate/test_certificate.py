@@ -227,17 +227,17 @@ def test_conditions_are_held_against_the_setup(tmp_path: Path) -> None:
         (
             Condition(terms=(("work.1.x", 1),), low=20.0, high=100.0),
             {},
-            "the certificate is valid for G54 X offset from 20 to 100; now it is not in the setup",
+            "valid for G54 X offset from 20 to 100; now it is not in the setup",
         ),
         (
             Condition(terms=(("g92.x", -1), ("work.1.x", 2)), low=-1.0, high=float("inf")),
             {"work": {(1, "x"): Interval(-4.0, -3.5)}, "g92": {"x": Interval(0.0, 0.0)}},
-            "the certificate is valid for 2 x G54 X offset - G92 X offset at least -1; now it is from -8 to -7",
+            "valid for 2 x G54 X offset - G92 X offset at least -1; now it is from -8 to -7",
         ),
         (
             Condition(terms=(("tool.3.z", 1),), low=-1e9, high=40.125),
             {"tool_lengths": {3: Interval(50.0, 50.0)}},
-            "the certificate is valid for length of tool 3 from -1000000000 to 40.125; now it is 50",
+            "valid for length of tool 3 from -1000000000 to 40.125; now it is 50",
         ),
     ],
 )
@@ -246,7 +246,7 @@ def test_a_condition_that_does_not_hold_is_told_in_words(
 ) -> None:
     properties = (*SAFE[:1], dataclasses.replace(SAFE[1], conditions=(condition,)), *SAFE[2:])
     check = check_package(read_package(write(tmp_path / "c.gpx", properties=properties, setup=Setup(**setup))))
-    assert told in [finding.message for finding in check.findings if finding.code.number == 825]
+    assert any(told in finding.message for finding in check.findings if finding.code.number == 825)
 
 
 @pytest.mark.parametrize(
@@ -277,7 +277,7 @@ def test_a_setup_that_differs_is_told_in_words(
     package = read_package(write(tmp_path / "job.gpx", setup=Setup(**then)))
     check = check_package(package, setup=Setup(**now))
     messages = [finding.message for finding in check.findings if finding.code.number == 825]
-    assert told in messages, messages
+    assert any(told in message for message in messages), messages
 
 
 def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> None:
