@@ -22,9 +22,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from programs import SHAPES, write_program
-
-HERE = Path(__file__).resolve().parent
+from programs import MACHINES, SHAPES, write_program
 
 
 def watch() -> dict[str, dict[str, Any]]:
@@ -99,7 +97,7 @@ def main() -> None:
         job = folder / ("job.tap" if asked.tap else "job.ngc")
         write_program(asked.shape, asked.lines, job)
         machine = "WINCNC.INI" if asked.tap else "machine.toml"
-        arguments = [asked.command, str(job), "--machine", str(HERE / machine), "--setup", "zero"]
+        arguments = [asked.command, str(job), "--machine", str(MACHINES / machine), "--setup", "zero"]
         if asked.command == "compile":
             arguments += ["--unsigned", "-o", str(folder / "job.gpx")]
         plain, cold, warm = (measured(folder, mode, arguments) for mode in ("python", "numba", "numba"))

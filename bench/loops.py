@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from measure import Runs, run_once
+from programs import MACHINES
 
-HERE = Path(__file__).resolve().parent
 BLOCKS = 2_000_000
 GOAL = 200_000
 VERDICTS = (0, 1, 2)
@@ -28,7 +28,7 @@ COUNT = "point := point + 1\n"
 def programs() -> dict[tuple[str, str], tuple[str, str, Path]]:
     """(dialect, loop): suffix, text, machine. Passes have 4 blocks, cells 9: the way there, and 8 lines."""
     passes = BLOCKS // 4
-    eding, din, ini = HERE / "machine.toml", HERE / "mcuwin.toml", HERE / "WINCNC.INI"
+    eding, din, ini = MACHINES / "machine.toml", MACHINES / "mcuwin.toml", MACHINES / "WINCNC.INI"
     while_body = "G1 X[#1 * 0.0005] Y[12 + #1 * 0.0001]\nG1 Z[0 - #1 * 0.000001]\n#1 = [#1 + 1]\n"
     round_body = "G1 X[#1 * 0.00001] Y0\nG2 X[#1 * 0.00001 + 1] Y1 R1\n#1 = [#1 + 1]\n"
     dwell_body = "G1 X[#1 * 0.0005] Y0\nG4 P[#1 * 0.000001]\n#1 = [#1 + 1]\n"
@@ -61,7 +61,7 @@ def programs() -> dict[tuple[str, str], tuple[str, str, Path]]:
     }  # fmt: skip
 
 
-MACROS = HERE / "macros" / "probing.cnc"
+MACROS = MACHINES / "macros" / "probing.cnc"
 """Routines of a shop that measures a surface point by point with another try after a miss, corners, holes and tools."""
 PROBING = ("surface_grid", "find_corner", "find_hole", "measure_tool")
 GOAL_PROBING = 10.0, 500.0
@@ -73,7 +73,8 @@ def probing(environment: Mapping[str, str], gproof: Sequence[str]) -> list[dict[
     rows = []
     for name in PROBING:
         runs = Runs()
-        command = [*gproof, "check", "--setup", "zero", "--machine", str(HERE / "machine.toml"), "--dialect", "eding"]
+        machine = str(MACHINES / "machine.toml")
+        command = [*gproof, "check", "--setup", "zero", "--machine", machine, "--dialect", "eding"]
         run_once([*command, "--call", name, str(MACROS)], environment, runs, VERDICTS)
         rows.append({"macro": name, "runs": runs.as_json()})
     return rows

@@ -8,9 +8,17 @@ McuWIN read the lines between.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
+
+from support.bundles import unpacked
+
+MACHINES = unpacked("bench") / "machines"
+"""The folder that machines.md holds."""
 
 HEAD = ("(benchmark)", "G21 G90 G17 G54 G94", "S12000 M3", "G0 Z5", "G0 X0 Y0", "G1 Z0 F1500")
 TAIL = ("G0 Z5", "M30")

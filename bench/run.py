@@ -27,13 +27,13 @@ import loops
 import stock
 from measure import Runs, gproof_command, gproof_itself, rs274_command, run_once
 from plot import Line, Panel, plot
-from programs import COMMON_SHAPES, SHAPES, write_program
+from programs import COMMON_SHAPES, MACHINES, SHAPES, write_program
 
 HERE = Path(__file__).resolve().parent
-MACHINE = HERE / "machine.toml"
+MACHINE = MACHINES / "machine.toml"
 DIALECTS = {
-    "eding": ("Eding", ".ngc", MACHINE), "wincnc": ("WinCNC", ".tap", HERE / "WINCNC.INI"),
-    "mcuwin": ("McuWIN", ".din", HERE / "mcuwin.toml"),
+    "eding": ("Eding", ".ngc", MACHINE), "wincnc": ("WinCNC", ".tap", MACHINES / "WINCNC.INI"),
+    "mcuwin": ("McuWIN", ".din", MACHINES / "mcuwin.toml"),
 }  # fmt: skip
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from support.bundles import unpacked
 
 from gproof.driver.dialects import load_machine
 from gproof.driver.running import begin, collect
@@ -38,7 +39,7 @@ def test_every_stage_has_a_figure() -> None:
 def test_programs_of_mcuwin_have_no_mistakes(tmp_path: Path, shape: str) -> None:
     bench("programs").write_program(shape, 120, tmp_path / "job.din")
     findings = Findings()
-    machine, _ = load_machine(ROOT / "bench/mcuwin.toml", findings)
+    machine, _ = load_machine(unpacked("bench") / "machines/mcuwin.toml", findings)
     assert machine is not None
     program = load_program(tmp_path / "job.din", findings, machine)
     assert program is not None

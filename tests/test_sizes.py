@@ -1,12 +1,15 @@
-"""Files, functions and the arguments of kernels stay so small that one can be read at a time."""
+"""Files, functions and the arguments of kernels stay so small that one can be read at a time, and files so few."""
 
 from __future__ import annotations
 
 import ast
+import shutil
+import subprocess
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+import pytest
 from support.goldens import ROOT
 
 FOLDERS = sorted(path.name for path in (ROOT / ".typing" / "gproof").iterdir() if path.name != "docs_codes")
@@ -16,6 +19,9 @@ MOST_LINES_OF_A_FUNCTION = 80
 """Of kernels none is counted: a hot loop in parts is slower."""
 MOST_ARGUMENTS = 19
 """Of a kernel. Columns that belong together are one named tuple."""
+
+MOST_FILES = 1800
+"""Of the checkout. Cases are sections of pages (support/bundles.py); jobs of the corpus share files."""
 
 LONG_FILES: set[str] = set()
 LONG_FUNCTIONS: set[str] = set()
@@ -75,3 +81,11 @@ def test_no_kernel_takes_20_arguments() -> None:
     }
     assert len(counts) > 100
     assert {name: count for name, count in counts.items() if count > MOST_ARGUMENTS} == {}
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists() or shutil.which("git") is None, reason="no git checkout")
+def test_the_checkout_has_few_files() -> None:
+    """A small case is a section of a page of its topic (tests/hand/README.md), no file of its own."""
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout
+    count = listed.count(b"\0")
+    assert count <= MOST_FILES, f"{count} files; the largest folders: git ls-files | cut -d/ -f1-3 | sort | uniq -c"

@@ -10,7 +10,7 @@ from differential import compare, gproof_side, rs274_peer
 from support.bundles import CODE, MANUAL, Section, pages_of, sections, unpacked
 
 FOLDER = unpacked("tests/differential")
-"""The folders that the pages `programs.*.md`, `differences.md` and `rejected.*.md` hold."""
+"""The folders that the pages `programs.*.md`, `differences.md` and `rejected.md` hold."""
 PROGRAMS = sorted((FOLDER / "programs").glob("*.ngc"))
 EXPECTED = sorted((FOLDER / "programs").glob("*.jsonl"))
 DIFFERENCES = sorted((FOLDER / "differences").glob("*.ngc"))
