@@ -15,7 +15,7 @@ PAGES = [
         for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
         if (ROOT / name).is_file()
     ),
-    *sorted(path for path in (ROOT / "docs").rglob("*.md") if not path.name.endswith("-tables.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
 ]
 GLOSSARY = re.compile(r"^## Glossary$.*?(?=^## )", re.MULTILINE | re.DOTALL)
 """Of CONTRIBUTING.md, which names the old words."""

@@ -67,6 +67,6 @@ MESSAGES = (
     _M("Error", "4000", "Invalid S-value", "13.1.1.25", (codes.SPINDLE_RANGE,)),
     _M("Error", "80000000", "System was stopped", "13.1.1.26", why=_INSTALLED),
     _M("Error", "190", "No M02, M30 or M17", "14 (2.5.3.90)", (codes.NO_MODULE_END,)),
-    _M("Error", "2074", "Text where a parameter should stand", "6", (codes.BRACKET_PARAMETER,)),
+    _M("Error", "2074", "Text in place of a parameter", "6", (codes.BRACKET_PARAMETER,)),
     _M("Error", "2075", "G04 without a parameter", "14 (2.5.3.100)", (codes.WORD_MISSING,)),
 )
