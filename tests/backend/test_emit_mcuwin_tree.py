@@ -319,7 +319,7 @@ def test_what_a_line_goes_on_with_is_written_where_the_order_would_say_otherwise
     assert printed(job(first, on, on), NO_MCUWIN) == b"G00 X1.0\nG01 X2.0\nX2.0\n"
     nothing = block(word("X", number(2.0)))
     assert printed(job(nothing), NO_MCUWIN) == b"X2.0\n"
-    with pytest.raises(Refusal, match="goes on with nothing behind G0"):
+    with pytest.raises(Refusal, match="goes on with nothing after G0"):
         printed(job(first, nothing), NO_MCUWIN)
     unknown = block(word("X", number(2.0)), continued="?")
     assert printed(job(first, unknown), NO_MCUWIN) == b"G00 X1.0\n$\nX2.0\n"

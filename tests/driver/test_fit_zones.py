@@ -72,7 +72,7 @@ def test_a_safe_place_beside_what_is_known_is_not_called_outside(
     )
     fit = fit_session(session, Running()).fit
     assert (code == 0) is (fit.verdict is Verdict.SAFE)
-    assert ("now outside" in printed) is (fit.verdict is not Verdict.SAFE and fit.zones[0].inside is False)
+    assert ("now outside; " in printed) is (fit.verdict is not Verdict.SAFE and fit.zones[0].inside is False)
     assert "-1 x" not in printed
 
 

@@ -291,4 +291,4 @@ def test_the_start_is_an_assumption() -> None:
     report = validate(lowered(ZIGZAG, on)[1], ZIGZAG, on, NOTHING)
     assert report.verdict is Verdict.SAFE
     position = next(p for p in report.properties if p.name == "stream-position")
-    assert position.assumptions == ("x stands at the start as when it came from below, with a backlash of 0.05",)
+    assert position.assumptions == ("x reached its start position from below (backlash 0.05)",)

@@ -467,7 +467,7 @@ def test_problems_name_rows_of_the_trace() -> None:
     runs = stream.sections[0].runs[0]
     runs["direction"][-1] *= -1
     late = validate(stream, trace, machine(), using(SADDLE)).findings[0]
-    assert late.span.line == 10 and "row 9" in late.message and "only come to row 8" in late.message
+    assert late.span.line == 10 and "row 9" in late.message and "only reached row 8" in late.message
     for motor in range(3):
         stream.sections[0].runs[motor]["direction"][-1] *= -1
     left = validate(stream, trace, machine(), using(SADDLE)).findings[0]

@@ -171,7 +171,7 @@ def test_positions_of_the_machine_or_of_the_work(tmp_path: Path) -> None:
         stated = f'[controls]\nknife_positions = "{own}"\n' if own else ""
         opened(tmp_path, "G90\nG1 Z-2\nL30\nG1 X20\nY20\n", own=ROOM + stated)
         unknown = open_session(
-            tmp_path / "job.tap", machine=tmp_path / "m.toml", setup=tmp_path / "s.toml", dialect=None
+            tmp_path / "job.tap", machine=tmp_path / "m.toml", setup=str(tmp_path / "s.toml"), dialect=None
         )  # fmt: skip
         rows_of(unknown)
         assert ("an unknown zero" in bad(unknown).get("GP323", "")) is not bool(own), bad(unknown)
