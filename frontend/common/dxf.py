@@ -39,8 +39,8 @@ MILLIMETRES = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 0.0
 _NAMES = {1: "inch", 4: "mm"}
 
 
-NO_READER = "reading a DXF drawing needs ezdxf, which is not installed: pip install 'gproof[dxf]'"
-"""The one library that only drawings need is an extra of its own."""
+NO_READER = "to read a DXF drawing, install ezdxf: pip install 'gproof[dxf]', or pipx inject gproof ezdxf"
+"""The one library that only drawings need is an extra of its own; pipx is for those whose system keeps pip away."""
 
 
 class DxfError(ValueError):
