@@ -13,6 +13,9 @@ once at the end, apart from the differences.
 other revision's packages, whose ``common(before, now)`` brings the texts of a program, by aspect, to one form: what is
 the same then is explained.
 
+``--files`` runs nothing: it says whether each case of the revision is here with the same program, machine, setup and
+options, under its name or another one (moved.py).
+
 Exit code 0: the same bytes everywhere, or other words for the same, or explained; 1: something differs; 3: could not
 compare, which includes that a language has no program that gives a package.
 """
@@ -32,8 +35,9 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any, Protocol
 
-from cases import SUFFIXES, Case, all_cases
-from revisions import NotComparable, Runner, site_of_revision
+from cases import ROOT, SUFFIXES, Case, all_cases
+from moved import cases_of, lost
+from revisions import NotComparable, Runner, site_of_revision, tree_of_revision
 from wordings import Wordings
 from worker import FAILED, came_to_nothing
 
@@ -147,6 +151,21 @@ def shown(texts: tuple[str, str], lines: int) -> list[str]:
     return [*told[:lines], "    ..."] if len(told) > lines else told
 
 
+def same_files(revision: str) -> int:
+    """Whether each case of a revision is here with its files; prints those that are not."""
+    try:
+        with tree_of_revision(revision) as tree:
+            before, now = cases_of(tree), cases_of(ROOT)
+    except NotComparable as why:
+        print(f"replay: {why}", file=sys.stderr)
+        return 3
+    missing = list(lost(before, now))
+    moved = {case.name for case in before} - {case.name for case in now}
+    print(*missing, sep="\n", end="\n" if missing else "")
+    print(f"replay: {len(before)} cases, {len(now)} here; {len(moved)} have another name, {len(missing)} other files")
+    return 1 if missing else 0
+
+
 def main(words: list[str] | None = None) -> int:
     """Compare all cases; prints each difference, and a summary."""
     parser = argparse.ArgumentParser(prog="make replay", description="Compare with another revision.")
@@ -154,7 +173,10 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--only", action="append", default=[], help="cases whose name has this text; repeatable")
     parser.add_argument("--lines", type=int, default=12, help="lines of each difference [12]")
     parser.add_argument("--mapping", type=Path, help="a file that explains an announced change of form")
+    parser.add_argument("--files", action="store_true", help="compare only which cases there are, and their files")
     asked = parser.parse_args(words)
+    if asked.files:
+        return same_files(asked.base)
     cases = [case for case in all_cases() if not asked.only or any(part in case.name for part in asked.only)]
     programs: Counter[str] = Counter()
     differing: Counter[str] = Counter()

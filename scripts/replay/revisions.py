@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -43,13 +45,20 @@ def site_of_revision(revision: str) -> Path:
     site = ROOT / "build" / "replay" / commit
     if not site.exists():
         site.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=site.parent) as folder:
-            source, archive = Path(folder) / "source", Path(folder) / "source.tar"
-            source.mkdir()
-            _git("archive", "-o", str(archive), commit)
-            shutil.unpack_archive(archive, source, filter="data")
+        with tree_of_revision(revision) as source, tempfile.TemporaryDirectory(dir=site.parent) as folder:
             site_of(source, Path(folder) / "site").rename(site)
     return site
+
+
+@contextlib.contextmanager
+def tree_of_revision(revision: str) -> Iterator[Path]:
+    """The files of a git revision, for a while."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, archive = Path(folder) / "source", Path(folder) / "source.tar"
+        source.mkdir()
+        _git("archive", "-o", str(archive), f"{revision}^{{commit}}")
+        shutil.unpack_archive(archive, source, filter="data")
+        yield source
 
 
 def _git(*words: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import subprocess
 import sys
@@ -16,6 +17,7 @@ FOLDER = ROOT / "scripts" / "replay"
 sys.path.insert(0, str(FOLDER))
 
 from cases import all_cases  # noqa: E402  (scripts/replay is no package)
+from moved import cases_of, lost  # noqa: E402
 from named_fields import Mapping  # noqa: E402
 from revisions import site_of  # noqa: E402
 from wordings import Wordings  # noqa: E402
@@ -185,3 +187,21 @@ def test_a_mapping_explains_form_and_nothing_else() -> None:
     assert plain(before, named=False) == plain(now, named=True)
     table = "(columns trace 1\n ; a b\n 1 2\n)"
     assert plain(table, named=False) == plain(table.replace(" 1 ", "  1  "), named=True) != plain("", named=True)
+
+
+def test_a_case_that_is_gone_or_has_other_files_is_found() -> None:
+    """Under another name with the same files it is the same case."""
+    here = cases_of(ROOT)
+    assert list(lost(here, here)) == []
+    by_name = {case.name: case for case in here}
+    plate, pocket, wave = (
+        by_name.pop(f"corpus/{name}")
+        for name in ("eding/drilled-plate/job.cnc", "eding/pocket-in-steps/job.cnc", "mcuwin/engraver/jobs/wave.src")
+    )
+    assert all(plate.parts) and len(by_name) > 2000
+    changed = dataclasses.replace(pocket, parts=("other", pocket.parts[1], "another", pocket.parts[3]))
+    now = [*by_name.values(), dataclasses.replace(plate, name="elsewhere"), changed]
+    assert list(lost(here, now)) == [
+        f"{pocket.name}: another program, another setup",
+        f"{wave.name}: not here, nor its files elsewhere",
+    ]
