@@ -61,7 +61,7 @@ class Control:
         self.hold()
 
     def running(self) -> None:
-        """The run begins: signals are requests from now on; until then they end what prepares it."""
+        """The run starts: signals are requests from now on; until then they end what prepares it."""
         self.began, self._closing = True, False
 
     def closing(self) -> None:

@@ -184,7 +184,7 @@ class ExecutionRecord:
         return canonical({**self.body(), "sha256": self.sha256, **signed}) + b"\n"
 
     def write(self, path: Path, signature: dict[str, str] | None = None) -> None:
-        """To a temporary name beside ``path``, on the disk, then renamed; OSError, and nothing written."""
+        """To a temporary name next to ``path``, on the disk, then renamed; OSError, and nothing written."""
         write_whole(path, self.to_json(signature))
 
     def _time(self, tick: int) -> str:
@@ -218,7 +218,7 @@ class ExecutionRecord:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Bytes to a temporary name beside ``path``, on the disk, then renamed; OSError, and nothing left over."""
+    """Bytes to a temporary name next to ``path``, on the disk, then renamed; OSError, and nothing left over."""
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(handle, "wb") as file:

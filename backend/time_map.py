@@ -26,7 +26,7 @@ LONGEST_CELL = 2**28
 
 @record(frozen=True, slots=True)
 class TimeMap:
-    """See the module's text; both arrays begin with 0."""
+    """See the module's text; both arrays start with 0."""
 
     source: Ints
     target: Ints

@@ -36,7 +36,7 @@ class Trail:
 
     @property
     def begun(self) -> bool:
-        """True when the run was begun: its record can be made."""
+        """True when the run was started: its record can be made."""
         return self._begun is not None
 
     @property

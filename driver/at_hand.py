@@ -1,4 +1,4 @@
-"""What a package is held against beside itself: machine, setup and source as they are at hand."""
+"""What a package is compared with: machine, setup and source as they are at hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The registry of dialects: one line each, the first where nothing says which one a job is in.
+"""The registry of dialects: one line each, the first where it is unknown which one a job is in.
 
 What a line names is light: a dialect's folder imports what it needs when something of it is requested.
 """

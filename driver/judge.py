@@ -101,7 +101,7 @@ def judge(
 
     properties: those that the verdict requires; the others of the default policy are answered too.
     beat: hears from time to time how many blocks are executed, and where, chunks or none; hears: takes what rests on
-    unknown offsets beside zones, in all passes (``passes/checks/zones/zones.py``): of that ``areas`` says nothing then.
+    unknown offsets near zones, in all passes (``passes/checks/zones/zones.py``): of that ``areas`` says nothing then.
     """
     findings = session.findings
     _machine_findings(session)

@@ -1,4 +1,4 @@
-"""Lines of source files as they are quoted: beside findings, in fingerprints, in what ``fmt`` shows."""
+"""Lines of source files as they are quoted: next to findings, in fingerprints, in what ``fmt`` shows."""
 
 from __future__ import annotations
 

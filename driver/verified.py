@@ -56,9 +56,9 @@ def verified(
     A condition of which no setup states anything (``check.open``) decides nothing, and is a finding only where
     something else refutes the package.
 
-    other: what differs from the source at hand, or from the source compiled anew
+    other: what differs from the source at hand, or from the source compiled again
     findings: those of the files at hand; the others are added
-    anew: whether the source was compiled anew
+    anew: whether the source was compiled again
     """
     found = (*other, *check.findings)
     verdict = verdict_of(finding for finding in found if finding not in check.open)

@@ -154,7 +154,7 @@ class Related:
 
 @record(frozen=True, slots=True)
 class Outcome:
-    """An answer that nobody knows before the job runs: what was asked, where, what it was, how often in a row."""
+    """An answer that is unknown before the job runs: what was asked, where, what it was, how often in a row."""
 
     span: Span
     what: str
@@ -200,7 +200,7 @@ HANDFUL = 4
 @record(frozen=True, slots=True)
 class Finding:
     """One thing to tell the user; see ``Code``. values: those of the message, lengths in mm, for other units; rests:
-    what it rests on of what nobody knows before the job runs, None where it holds in every outcome."""
+    what it rests on of what is unknown before the job runs, None where it holds in every outcome."""
 
     code: Code
     span: Span
@@ -239,7 +239,7 @@ class FollowsRefusal(Refusal):
 _NUMBER = re.compile(
     r"(?<![\w#$.])([XYZABCUVWIJKRFSPQEDH]?)[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?(?![\w])", re.IGNORECASE
 )
-"""Numbers of messages, with the word they belong to. Behind other letters they are names: G54, M999, T3, C1."""
+"""Numbers of messages, with the word they belong to. After other letters they are names: G54, M999, T3, C1."""
 GROUPS = 200
 """Groups of a code at most: what a program makes up (texts in messages) must not fill the memory."""
 
@@ -280,7 +280,7 @@ class Group:
     """Findings of one code in one file that differ in numbers only.
 
     times: how often they came, those that are not kept too; line, last_line: from where to where; kept: how many
-    different ones are; worst: the one that goes furthest, None where nothing says which.
+    different ones are; worst: the one that goes furthest, None where that is unknown.
     """
 
     code: Code
@@ -435,7 +435,7 @@ class Findings:
         return out
 
     def shortened(self, limit: int, always: Container[Finding] = ()) -> Findings:
-        """Those that a limit leaves, and beside them those that are ``always`` to be told."""
+        """Those that a limit leaves, and also those that are ``always`` reported."""
         if self.limit == limit:
             return self
         out = Findings(limit=limit, counts=dict(self.counts), groups=self.groups)

@@ -124,7 +124,7 @@ class Kernel(Declared[P, R]):
         return self._compiled
 
     def _take(self, compiled: Callable[P, R]) -> None:
-        """From its first call on, without what that one does beside."""
+        """From its first call on, without what else that one does."""
         self._compiled = compiled
 
 

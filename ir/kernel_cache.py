@@ -1,6 +1,6 @@
 """Compiled kernels on disk: one file a signature, whole or not there, for any number of processes at once.
 
-numba's own cache keeps an index beside numbered files. Two processes that compile two signatures of one function
+numba's own cache keeps an index next to numbered files. Two processes that compile two signatures of one function
 at the same time can both take number 1; the index then names machine code for other arguments, which fails when it is
 called, or worse. Here a file's name is what it holds, it appears in one step, and whoever reads it compares its
 digest and its signature first; whatever does not fit counts as not there and is compiled again.
@@ -84,7 +84,7 @@ def _value(value: Any) -> Iterator[str]:
 
 
 class FileCache:
-    """What numba asks for under the name of a cache: compile results by signature, in one folder."""
+    """What numba requests under the name of a cache: compile results by signature, in one folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

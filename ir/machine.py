@@ -58,7 +58,7 @@ class Axis:
     is; home_velocity: unit/s towards it, its sign is the direction, 0: homed by hand; tip_feed: the feed is that of
     the tool over the turning material (Eding 4THMILL), which gproof does not plan.
     letter: the word that moves it, "" for that of its name: a second vertical axis W has the column of A;
-    vertical: it carries a head up and down, None where nothing says so; boundary_lower, boundary_upper: like limits,
+    vertical: it carries a head up and down, None where that is unknown; boundary_lower, boundary_upper: like limits,
     in work positions without local coordinates (WinCNC lobound=, hibound=); feed_velocity: unit/s of feed moves
     before a program gives another; home_place: machine position after homing, None: not stated.
     position_unit: mm or degrees in one unit of the axis's own positions, which G00 of McuWIN counts in whatever the
@@ -184,11 +184,11 @@ class Spindle:
     """A spindle, or another tool head (Eding manual 3.5.2, 3.5.6), by the number of ``Op.HEAD``.
 
     min_rpm, max_rpm: what it can do; ramp_time: seconds to reach its speed; offset: mm in X, Y, Z that are added to a
-    machine position while it is selected, None where nobody stated it; unsigned: a controller file gives the
+    machine position while it is selected, None where that is unknown; unsigned: a controller file gives the
     offset without saying which way it counts; pwm: (rpm, percent of its output) pairs of its table (2.4).
     spin_up: seconds that it needs to its speed, whatever the controller waits (``ramp_time``); output: channel that
     runs it while it is on, where no code of the language does; None: not stated. oriented_stop: it can stop in one
-    orientation, which back boring needs (Eding manual 3.4.21.10); False: it cannot, or nobody stated it.
+    orientation, which back boring needs (Eding manual 3.4.21.10); False: it cannot, or that is unknown.
     """
 
     number: int
@@ -313,7 +313,7 @@ class Machine:
     kept: (name, text) of settings that are known and have no bearing on where the axes go. spindle_started: whether
     programs start a spindle on it; False: it has none (knife, torch, laser, nozzle), or one that is switched by hand;
     None: not stated. tool_change_clearance: machine position of Z that has to be reached before a tool is changed,
-    None: nobody asks for one; clearance_at_start: before the first move of X or Y too.
+    None: none is required; clearance_at_start: before the first move of X or Y too.
     """
 
     name: str

@@ -1,6 +1,6 @@
 """What each function may change, by modal group, and which groups it states whole: one table for all dialects.
 
-A line that is refused or not understood may have changed these; ``passes/interpret/core/refused_lines.py`` stands on
+A line that is refused or not understood may have changed these; ``passes/interpret/core/refused_lines.py`` is based on
 it. The names of groups are words for messages. A function without a row may have changed anything.
 """
 

@@ -1,4 +1,4 @@
-"""Notes: what is in the lines of a file beside the program: comments, line numbers, marks.
+"""Notes: what is in the lines of a file apart from the program: comments, line numbers, marks.
 
 Nothing here changes what a program does; a printer needs it to give a file back. Texts are without the delimiters
 of their dialect: a comment in the middle of a line is a ``COMMENT`` whether a controller encloses it in ``( )`` or
@@ -26,7 +26,7 @@ class NoteKind(enum.IntEnum):
     after it where the language has such names; COMMENT: enclosed; REMARK: to the end of the line; ENCODING: of the
     line's bytes, where it is not UTF-8 and the line has texts; SIGNED: a comment with the signs that begin and end it;
     LEFT_OUT: a whole line that the controller, or gproof, does not read; PASCAL: the line has text of the language that
-    is beside the blocks of the controller (no text).
+    is among the blocks of the controller (no text).
     """
 
     LINE_NUMBER = 1
@@ -49,8 +49,8 @@ NOTE = Schema(
     Column("begin", "i8"),
     Column("size", "i4"),
 )
-"""One note a row, in source order: line; how many words, settings or statements of the line stand before it;
-NoteKind; how many bytes of the line stand before it (tabs to the next multiple of 8) when it is set apart from them by
+"""One note a row, in source order: line; how many words, settings or statements of the line are before it;
+NoteKind; how many bytes of the line are before it (tabs to the next multiple of 8) when it is set apart from them by
 more than one blank, else 0: comments below one another; place of its bytes in ``Notes.text``."""
 
 

@@ -22,7 +22,7 @@ from gproof.ir.columns import Columns
 
 
 class Range(NamedTuple):
-    """low <= x <= high; infinite, unstated: infinity and NaN may stand there too; least: of any but 0, signs aside."""
+    """low <= x <= high; infinite, unstated: infinity and NaN are allowed too; least: of any but 0, signs aside."""
 
     low: float
     high: float

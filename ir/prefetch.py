@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 LONG_TABLE = 4 << 20
-"""Bytes of a table from which on its next piece is read beside the one that runs."""
+"""Bytes of a table from which on its next piece is read in parallel with the one that runs."""
 LONG_RUN = 1 << 16
 """Rows for which calls are made at once before later ones wait for a thread: by then kernels are compiled."""
 MOST_WAITING = 2
@@ -71,7 +71,7 @@ class Ahead:
 
 
 class InOrder(Generic[T]):
-    """Calls of a function that gives nothing back, one after another, beside the run that makes them.
+    """Calls of a function that gives nothing back, one after another, in parallel with the run that makes them.
 
     ``wait`` comes before anybody looks at what they did.
     """

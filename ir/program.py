@@ -147,7 +147,7 @@ class SourceFile:
     """A file as read. name: as the user gave it; sha256: of ``data``; data: its bytes (may be a memory map).
 
     line_count: its lines; newline: what ends the first of them; mark: it starts with a UTF-8 mark;
-    notes: what is in its lines beside the program, when it was loaded (``Program.load_notes``), else None.
+    notes: what is in its lines apart from the program, when it was loaded (``Program.load_notes``), else None.
     """
 
     name: str
@@ -185,7 +185,7 @@ class Program:
 
     overrides: (letter, tenths) of codes that a subprogram replaces -> its name. The words of such a line are its
     arguments (``LanguageRules.argument_base``); inside of it the code is the controller's own.
-    A macro file alone is a Program of ``Definition`` nodes, which stand in nothing else.
+    A macro file alone is a Program of ``Definition`` nodes, which are in no other Program.
     head, tail: the first and the last statements of the body, which the machine's settings put there; the tail also
     runs where the job ends itself before; abort: what runs where it aborts itself. around_files: head and tail run
     around each subprogram that is a file, too; None: nobody said so, and it would make a difference. open_codes: where
@@ -261,7 +261,7 @@ class Program:
         self._verify_definitions()
 
     def _verify_definitions(self) -> None:
-        """Definitions have names that lines are compared with, and stand among nothing but definitions and mistakes."""
+        """Definitions have names that lines are compared with, and are only among definitions and mistakes."""
         definitions = [node for node in self.body if isinstance(node, Definition)]
         if definitions and (self.subprograms or not all(isinstance(n, Definition | Mistake) for n in self.body)):
             raise ValueError("definitions are next to what is not a definition")

@@ -1,7 +1,7 @@
 """LanguageRules: what a dialect's manual decides, as data that the executor follows.
 
 A code is a letter and its number in tenths (G38.2 is ("G", 382)). Its ``Function`` is neutral: the executor
-knows functions, never dialects. Each rule names the section of the manual it stands on.
+knows functions, never dialects. Each rule names the section of the manual that it is from.
 """
 
 from __future__ import annotations
@@ -231,7 +231,7 @@ CHECKED_ONLY = frozenset(
         Function.AUTO_OUTPUT_ON, Function.AUTO_OUTPUT_OFF,
     )
 )  # fmt: skip
-"""Functions of which the words are checked and told in the Trace, and whose device nothing else depends on."""
+"""Functions of which the words are checked and noted in the Trace, and whose device nothing else depends on."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -292,7 +292,7 @@ class LanguageRules:
     argument_base: number of the variable that holds the A word of a code which a subprogram replaces, B to Z follow;
     argument_missing: what the variable of a letter holds that the line does not have.
     code_letters: letters of codes; variables: the named ones and what they are. unit_of_machine: the controller's own
-    file says in what numbers count where no code does. workspaces_select_heads: a workspace beside the first has a
+    file says in what numbers count where no code does. workspaces_select_heads: a workspace other than the first has a
     head and a spindle of its own; arcs_keep_feed: the F of arcs may be kept apart from that of lines
     (``Settings.arcs_share_feed``). straight_traverse: a traverse of several axes is a straight line, None: the manual
     does not say; measured_tools: what is stored of a tool is no length, but the machine position at which its tip is

@@ -45,7 +45,7 @@ class Setup:
     """The stated part of the machine's state.
 
     homed: axes that have had their reference run, None: not stated; an axis that is stated and not among them has had
-    none, and nobody knows how its machine positions lie. start: machine position by axis name;
+    none, and its machine positions are unknown. start: machine position by axis name;
     work: offsets of coordinate systems 1..9 by (number, axis); g92: axis offsets;
     tool_lengths: by tool number; parameters: numbered variables in the
     controller's numbering; parameter_ranges: those that are only bounded, and what the operator or a measurement will
@@ -144,4 +144,4 @@ ZERO = Setup(
 The switch for optional stops stays open: M1 stops."""
 
 NOTHING = Setup()
-"""Nothing stated."""
+"""No value is given."""

@@ -26,7 +26,7 @@ flags; value, equal to float(text) bit for bit. ``offset`` counts from the table
 FLAG_POINT = 1
 """The number had a decimal point."""
 FLAG_DELETE = 2
-"""The line began with a block delete slash."""
+"""The line started with a block delete slash."""
 FLAG_BARE = 4
 """The letter is without a number, which counts as 0."""
 
@@ -154,7 +154,7 @@ class Assign:
 class Block:
     """One line of words and assignments with expressions in them.
 
-    deleted: it began with a slash. own: its codes are the controller's own, whatever a subprogram replaces.
+    deleted: it started with a slash. own: its codes are the controller's own, whatever a subprogram replaces.
     texts: what its words have of text, by letter: names, file names. continued: the code that a line without one goes
     on with, in languages where the order of the source decides that: ``G1``, "" for
     none, "?" where the manual leaves it open. distances: ``G90`` or ``G91``, where the source decides that too.
@@ -172,7 +172,7 @@ class Block:
 
 
 class DeferredBlock(Block):
-    """A block that is made when somebody asks for a part of it, and equal to it.
+    """A block that is made when a part of it is needed, and equal to it.
 
     A program of a million lines with expressions keeps these (a fifth of a kilobyte each) instead of their trees.
     make: (raw, file, line) -> the block; raw: the bytes of its line, without the end.
@@ -202,7 +202,7 @@ class DeferredBlock(Block):
         return block
 
     def __getattr__(self, name: str) -> Any:
-        """A field of the block: none is ever set here, so that Python asks for all of them."""
+        """A field of the block: none is ever set here, so that Python looks for all of them."""
         if name in DeferredBlock.__slots__:
             raise AttributeError(name)
         return getattr(self.made(), name)
@@ -353,7 +353,7 @@ TYPES = ("integer", "double", "boolean", "unknown")
 
 @record(frozen=True, slots=True, kw_only=True)
 class Declare:
-    """Names with a type; does nothing when it runs, but that variables of a procedure begin without a value.
+    """Names with a type; does nothing when it runs, but that variables of a procedure start without a value.
 
     kind: one of DECLARED; value: of a constant; number: of the first variable, which the others follow.
     """
@@ -386,7 +386,7 @@ class Mode:
 class Call:
     """Runs a subprogram by its (lower-case) name.
 
-    count: how often, None: once. deleted: its line began with a slash. arguments: what its words are named by inside
+    count: how often, None: once. deleted: its line started with a slash. arguments: what its words are named by inside
     (``Named``). text: the name as written; counted: its lines count as lines of the job.
     line: the words and texts of its line, to be printed again, in languages whose statements are lines of words; a
     text without a letter is a name as written.
@@ -414,7 +414,7 @@ class Message:
     (the head of an If).
 
     question: its number among those of the program, 0 for what is none. in_comment: written as a comment of its line,
-    where its text is among the notes too. deleted: the line began with a slash. line: see Call. formats: such as
+    where its text is among the notes too. deleted: the line started with a slash. line: see Call. formats: such as
     ``%d`` among its parts, which only shape its text.
     """
 
@@ -430,7 +430,7 @@ class Message:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Guard:
-    """Switches a guard: name ``tool_change_area`` or ``machine_area``. deleted: its line began with a slash."""
+    """Switches a guard: name ``tool_change_area`` or ``machine_area``. deleted: its line started with a slash."""
 
     name: str
     on: bool
@@ -443,7 +443,7 @@ class Device:
     """A command to the controller that is no block of words: homing, height maps, a knife ...
 
     name: a key of ``rules.DEVICES``, which tells what it means and how many arguments it has; names of axes, files
-    and switches are ``Text`` arguments (axes in lower case). deleted: its line began with a slash.
+    and switches are ``Text`` arguments (axes in lower case). deleted: its line started with a slash.
     """
 
     name: str
@@ -457,7 +457,7 @@ class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown.
 
     text: the statement as written, without comments; "" when there is more of it than a line. deleted: the line
-    began with a slash. line: see Call. told: a finding of the frontend says already what is wrong here. accepted: the
+    started with a slash. line: see Call. told: a finding of the frontend says already what is wrong here. accepted: the
     entry of ``accepts`` of a machine file by which a controller has it after all (``dialects/accepts.py``), and means
     what it does then; "": none.
     """

@@ -1,8 +1,8 @@
-"""StepStream: integers only. What the board is told, to the tick.
+"""StepStream: integers only. What the board gets, to the tick.
 
 A motor's run is (interval, count, add, direction): the first step comes ``interval`` ticks after the
 motor's last step (after tick 0 of the section for the first run); then the interval grows by ``add``
-before each further step. Directions are +1 or -1 in steps. Sections begin at rest; tick 0 is their start.
+before each further step. Directions are +1 or -1 in steps. Sections start at rest; tick 0 is their start.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from gproof.ir.trace import UNKNOWN, Affine, Frame
 
 @record(frozen=True, slots=True)
 class Unknown:
-    """A number that is not known but for its bounds; cause: what nobody stated, for the message; whole: it is a whole
+    """A number that is not known but for its bounds; cause: what is unknown, for the message; whole: it is a whole
     number; place: the place of an axis whose coordinate it is."""
 
     cause: str
@@ -41,7 +41,7 @@ NOBODY = "whose value is unknown"
 
 
 def not_known(span: Span, word: str, value: Unknown, hint: str = "") -> Finding:
-    """GP225 for a word whose value nobody stated, or of which only bounds are known where one number is needed."""
+    """GP225 for a word whose value is unknown, or of which only bounds are known where one number is needed."""
     why = "whose limits are known but not its value" if value.bounded else NOBODY
     return codes.UNKNOWN_VALUE.at(span, word=word, cause=value.cause, why=why, hint=hint)
 
@@ -142,7 +142,7 @@ def at_place(value: Unknown, axis: int, at: Position, origin: Position, scale: f
 
 
 BESIDE = "beside."
-"""How the symbols of places beside a contour begin (docs/trace.md, Frames)."""
+"""How the symbols of places along a contour start (docs/trace.md, Frames)."""
 
 
 def hint_of(form: Affine) -> str:
@@ -182,7 +182,7 @@ class FrameTable:
         return index
 
     def frame(self, positions: list[Position], unhomed: frozenset[int] = NO_AXES) -> int:
-        """The index of the frame in which these positions stand; unhomed: columns without a reference run."""
+        """The index of the frame in which these positions are; unhomed: columns without a reference run."""
         p = positions
         frame = (p[0].form, p[1].form, p[2].form, p[3].form, p[4].form, p[5].form)
         if unhomed:

@@ -20,7 +20,7 @@ ACTUAL = "actual"
 MIRRORED = "mirrored"
 """Kind of the symbols of reflections about one of two zeros (docs/trace.md, Frames)."""
 UNHOMED = "unhomed"
-"""Kind of the symbols by which the positions of an axis that was never homed lie beside those of its machine."""
+"""Kind of the symbols by which the positions of an axis that was never homed differ from those of its machine."""
 
 
 def describe(form: Affine, machine: Machine | None = None) -> str:

@@ -5,7 +5,7 @@ default; ``[...]`` a tuple or list; ``{k v ...}`` a dict; numbers print as Pytho
 ``n/d``, strings as JSON, enumerations as ``Enum.MEMBER``; bytes as ``b"..."``; ``none true false``. A column table is
 ``(columns schema rows values ...)``, below a comment with the names of its columns. A value has one text, and a field
 that is added with a default changes neither a text nor what it says. ``print_ir`` and ``parse_ir`` know the types of
-``ir/``, nothing else.
+``ir/``, no others.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Trace: what the machine is told to do, evaluated; canonical machining functions as numpy columns.
+"""Trace: what the machine does, evaluated; canonical machining functions as numpy columns.
 
 Positions are machine coordinates in mm and degrees. A position is ``to[axis]`` plus the affine form that
 ``frames[frame][axis]`` names: a sum of unknown offsets with whole coefficients, empty when everything is
@@ -207,7 +207,7 @@ class State:
     boundaries: of the work, by axis; their guard is ``boundaries``.
     tip: what positions have more than the tip of the tool, its length above all; axes that are not named: nothing.
     machine_tip: the same in machine coordinates, where it is not ``tip``: tool measures of some controllers are places,
-    so that machine heights are those of the tip of the tool that was in the spindle when the job began.
+    so that machine heights are those of the tip of the tool that was in the spindle when the job started.
     diameters: what the program or the setup has written over the diameter in the tool table, of the tool in the
     spindle, or of all tools where it is not known which one that is.
     retimed: commands of the program that have changed velocities or accelerations of the machine's file, and
@@ -258,7 +258,7 @@ FOLLOWING = {
     HEIGHT_MAP: "Z follows the setup's height map; rows have Z without it",
     KNIFE: "an axis follows the direction of X-Y moves; rows have its positions",
 }
-"""What may stand in ``State.following``."""
+"""What may be in ``State.following``."""
 
 
 class Wait(enum.Enum):
@@ -378,7 +378,7 @@ class Chunk:
 
     begin: index of its first row in the section; start, start_frame: position before its first row;
     last: True when the section ends with it; expected: how many more rows a kernel can count on from here than
-    earlier chunks have told, -1 when nobody reckons: its own. Tables (frames, states ...) are those of ``trace``,
+    earlier chunks have reported, -1 when nobody reckons: its own. Tables (frames, states ...) are those of ``trace``,
     which grows.
     """
 

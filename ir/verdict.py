@@ -39,7 +39,7 @@ def worst(verdicts: Iterable[Verdict]) -> Verdict:
 class PropertyResult:
     """The answer for one property.
 
-    assumptions: sentences the answer stands on; conditions: bounds on unknown offsets, enforced later; needed: bounds
+    assumptions: sentences the answer depends on; conditions: bounds on unknown offsets, enforced later; needed: bounds
     outside of which the property is refuted for certain, wider than the conditions or the same.
     """
 
@@ -54,7 +54,7 @@ class PropertyResult:
 class Condition:
     """low <= sum(coefficient * symbol) <= high, in mm or degrees, over unknown offsets.
 
-    terms: ((symbol, coefficient), ...) such as (("work.1.x", 1),); sorted by symbol; places: the moves that ask for
+    terms: ((symbol, coefficient), ...) such as (("work.1.x", 1),); sorted by symbol; places: the moves that require
     ``low`` and for ``high``, None where none is known; no part of what it states.
     """
 
@@ -69,7 +69,7 @@ class Condition:
         return not self.low <= self.high
 
     def within(self, other: Condition) -> Condition:
-        """Both at once, of the same terms; where they ask for the same, the place of the other one."""
+        """Both at once, of the same terms; where they require the same, the place of the other one."""
         below, above = self.low > other.low, self.high < other.high
         return Condition(
             terms=self.terms, low=self.low if below else other.low, high=self.high if above else other.high,

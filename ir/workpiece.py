@@ -1,6 +1,6 @@
 """What is on the table: stock, the part that is to be left, fixtures. Lengths in mm.
 
-Bodies stand upright: Z is the spindle's axis, and X and Y are those of the machine, whatever turns or scales what a
+Bodies are upright: Z is the spindle's axis, and X and Y are those of the machine, whatever turns or scales what a
 program says. Where a body counts from is its ``work``: a coordinate system of the program, with its zero where it is at
 the start of the job, local offsets (G92) included, or machine coordinates, in which heights are those of a tool's tip
 with no length offset in force.
@@ -49,7 +49,7 @@ class Prism:
     """What is between two heights inside an outline and outside its holes.
 
     outline, holes: simple polygons without a repeated last point; outlines turn counter-clockwise, holes clockwise.
-    error: mm that the polygon may be beside what was drawn (arcs and splines of a DXF file).
+    error: mm that the polygon may be off what was drawn (arcs and splines of a DXF file).
     """
 
     outline: tuple[Point, ...]

@@ -28,7 +28,7 @@ _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magen
 
 
 def print_fit(fitted: Fitted, units: str | None) -> None:
-    """The answer as text: what is in the way, the ranges, the travel."""
+    """The answer as text: what prevents SAFE, the ranges, the travel."""
     fit = fitted.fit
     unit = unit_of(fitted.session.machine.unit) if units is None else CHOICES[units]
     blocking = blocking_findings(fitted)
@@ -251,7 +251,7 @@ def _travel_lines(travel: tuple[Travel, ...] | None, unit: LengthUnit) -> list[s
 
 
 def _smallest_line(travel: tuple[Travel, ...] | None, unit: LengthUnit) -> list[str]:
-    """``X 293.000 x Y 193.000 x Z 95.800 mm``, rotary axes behind."""
+    """``X 293.000 x Y 193.000 x Z 95.800 mm``, rotary axes after."""
     if not travel:
         return []
     own = {one.motor: one.unit for one in travel}

@@ -41,7 +41,7 @@ def _columns(machine: Machine) -> dict[str, int]:
 
 
 def _section(chunk: Chunk, columns: dict[str, int], job: str) -> str:
-    """Where a section but the first begins: rows that follow go on from here, not from those before."""
+    """Where a section except the first starts: rows that follow continue from here, not from those before."""
     line = int(chunk.rows["line"][0]) if len(chunk.rows) else 0
     state = chunk.trace.states[int(chunk.rows["state"][0])] if len(chunk.rows) else None
     out: dict[str, Any] = {"op": "section", "line": line}

@@ -1,7 +1,7 @@
 """Lengths of text reports in the shop's unit; JSON reports and artefacts stay in millimetres.
 
 A report speaks the unit of the machine file; without one, that of the job's first change of the unit; ``--units`` says
-otherwise. Angles stay degrees. Texts name each length with its unit behind it, so that the unit can be changed.
+otherwise. Angles stay degrees. Texts name each length with its unit after it, so that the unit can be changed.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class LengthUnit:
         return f"{self.of(millimetres):.{self.rough}f} {self.name}"
 
     def inward(self, millimetres: float, axis_unit: str, *, up: bool) -> str:
-        """A bound, rounded to the side on which it still holds; behind nine decimals there is noise of arithmetic."""
+        """A bound, rounded to the side on which it still holds; after nine decimals there is noise of arithmetic."""
         exact = round(Decimal(repr(millimetres)), 9) / (self.mm if axis_unit == "mm" else 1)
         return str(exact.quantize(Decimal("0.0001"), ROUND_CEILING if up else ROUND_FLOOR))
 

@@ -2,7 +2,7 @@
 
 Takes the judgement of the job with its offsets open, and of the job as it was stated; gives plain data, which text
 and JSON reports print. Millimetres and degrees. Nothing is guessed: where the open job is not proved, no range is
-given; what is in the way stays as findings.
+given; what prevents an answer stays as findings.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def _starts(judgement: Judgement) -> dict[Affine, tuple[float, float]]:
 
 
 def _only_limits_missing(judgement: Judgement, verdicts: dict[str, Verdict]) -> tuple[str, ...]:
-    """What the findings say of limits that are not given, where nothing else is in the way; () else."""
+    """What the findings say of limits that are not given, if only these prevent an answer; otherwise ()."""
     if any(verdict is not Verdict.SAFE for name, verdict in verdicts.items() if name != "limits"):
         return ()
     unknown = [f for f in judgement.findings.kept if f.severity is Severity.UNKNOWN]

@@ -30,7 +30,7 @@ class Fitted:
 def fit_session(session: Session, running: Running, shown: Watcher | None = None) -> Fitted:
     """The answer for a job that is read.
 
-    Where no region beside zones is found, the one side of them that ``check`` finds is the answer, if it does.
+    Where no region near zones is found, the one side of them that ``check`` finds is the answer, if it does.
     """
     seen: dict[str, Any] = {}
     if shown is not None and shown.wanted:

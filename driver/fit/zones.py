@@ -35,7 +35,7 @@ _TRIED = 20_000
 
 
 class ZoneWatch:
-    """Takes the rows of the open job that rest on something unknown beside zones (``passes/checks/zones/zones.py``:
+    """Takes the rows of the open job that rest on something unknown near zones (``passes/checks/zones/zones.py``:
     hears)."""
 
     def __init__(self, asked: Asked) -> None:

@@ -1,6 +1,6 @@
 """``fit --picture``: where the work zero may be (SVG), from above, and from the front where Z does not fit.
 
-A panel for each coordinate system and, beside zones, for each layer of heights: soft limits, zones, the region of the
+A panel for each coordinate system and, near zones, for each layer of heights: soft limits, zones, the region of the
 zero, the zero that is stated and the nearest place for it, and what the job reaches from there. All numbers are machine
 coordinates in the machine's own unit. The same inputs give the same bytes.
 """

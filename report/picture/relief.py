@@ -15,7 +15,7 @@ from gproof.ir.record import record
 from gproof.passes.checks.base import Remains
 
 LEVELS = 7
-"""Steps of depth, beside what is as it was and what is through."""
+"""Steps of depth, apart from what is as it was and what is through."""
 THROUGH = LEVELS + 1
 COLOURS = ("#fff8e1", "#f5e3b5", "#e6c988", "#d3ab62", "#b98a45", "#97692f", "#724a20", "#4e2f14", "#ffffff")
 """By level: as it was, ever deeper, through."""

@@ -334,7 +334,7 @@ def _exact(symbol: str, setup: Setup, machine: Machine) -> Fraction:
 
 
 def taken(package: Package, setup: Setup | None) -> list[str]:
-    """What measured offsets are taken for, on whole steps, and how far beside; [] where they are not all stated."""
+    """What measured offsets are taken for, on whole steps, and how far off; [] where they are not all stated."""
     try:
         open_ = open_of(package.body, package.trace, package.machine, package.setup)
     except (ValueError, TypeError, ArithmeticError):
@@ -398,7 +398,7 @@ def _bases(open_: Open, machine: Machine) -> dict[int, Fraction]:
 
 
 def moved_to(package: Package, start: Sequence[int]) -> Moved | None:
-    """The job of a package where its motors begin at these steps; None where it has no open offsets, or none such."""
+    """The job of a package where its motors start at these steps; None where it has no open offsets, or none such."""
     open_ = open_of(package.body, package.trace, package.machine, package.setup)
     stream = package.stream
     if open_ is None or len(start) != len(stream.motors) or not stream.sections:

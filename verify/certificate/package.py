@@ -321,7 +321,7 @@ def _json(path: Path, name: str, data: bytes) -> dict[str, Any]:
 
 
 def _fill(path: Path, trace: Trace, stream: StepStream, parts: _Parts) -> None:
-    """Put the tables where numbers of rows stand, their own numbers judged."""
+    """Put the tables where numbers of rows are, their own numbers judged."""
     if type(trace) is not Trace or type(stream) is not StepStream:
         raise ValueError("trace.ir or stream.ir has another content")
     for section, table in zip(

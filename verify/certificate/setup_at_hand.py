@@ -3,7 +3,7 @@
 Which positions and verdicts rest on which statement only the passes know, so a package holds for the setup that it
 was made for, and for another one only where a rule of ``RULES`` says why that changes nothing. Fields are those that
 the types have (``dataclasses.fields``): one that no rule names, and that is added tomorrow, has to be the same. What
-was stated has to be stated now. What was left open stood for a default, an assumption or an unknown: stated now, it
+was stated has to be stated now. What was left open meant a default, an assumption or an unknown: stated now, it
 has to be that default, or the Trace has to show that nothing rests on it. docs/certificate.md has the table.
 """
 
@@ -244,7 +244,7 @@ class _Pair:
     def _called(self, name: str, key: object) -> str:
         return _ENTRIES.get(name, f"{name} {{0}}").format(str(key).upper() if name in ("measures", "contacts") else key)
 
-    # -- what stood for an entry that is not listed
+    # -- what replaced an entry that is not listed
 
     def _default(self, setup: Setup, name: str, key: Any) -> Interval | None:
         """What an entry is taken for that a setup does not list; None: unknown, or two files say two things."""

@@ -69,7 +69,7 @@ class Words:
         return BETWEEN[problem.kind](section, *values)
 
     def remark(self, remark: Remark) -> str:
-        """What a verdict stands on, or why it is open."""
+        """What a verdict depends on, or why it is open."""
         if remark.kind == "open.travel":
             motor, section, row = remark.values
             assert self._seen is not None
@@ -216,7 +216,7 @@ BETWEEN: dict[str, Callable[..., str]] = {
     ),
     "edge.ticks": lambda number, motor, ticks, target, needed: f"{_gap(number, motor, ticks, target)}; {needed} needed",
 }
-"""Of a section's beginning, and of what lies between two sections."""
+"""Of a section's start, and of what is between two sections."""
 
 
 def _gap(number: int, motor: str, ticks: int, target: int) -> str:

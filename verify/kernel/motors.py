@@ -22,7 +22,7 @@ from gproof.verify.kernel.walk_kernels import SPANS
 from gproof.verify.kernel.walk_state import Motors
 
 _PATIENCE = 0.002
-"""Seconds, beside twice the time that backlash needs: for starts and turns."""
+"""Seconds, in addition to twice the time that backlash needs: for starts and turns."""
 
 
 def machine_number_problems(drives: Drives, override: float) -> Iterator[Why]:
@@ -85,7 +85,7 @@ def unfollowed(trace: Trace, drives: Drives) -> Iterator[Why]:
 
 
 def never_homed(trace: Trace, drives: Drives) -> list[str]:
-    """Axes that move on some way through the sections before their reference run, and are stated to have had none."""
+    """Axes that move on some path through the sections before their reference run, and are stated to have had none."""
     if drives.homed is None or not trace.sections:
         return []
     lost = {AXIS_NAMES[axis.column] for axis in drives.axes} - set(drives.homed)

@@ -58,7 +58,7 @@ LIMIT = 1 << 30
 LINE_NUMBER_STEP = 10
 NO_NOTES = Notes(Columns(NOTE), b"")
 _MODAL = frozenset((17, 18, 19, 70, 71, 90, 91, 94, 161, 162))
-"""G codes beside which axis words are those of the motion in force."""
+"""G codes with which axis words are those of the motion in force."""
 
 
 def text_of(program: Program, din: McuWinSettings, axes: str, *, includes: bool = True) -> Iterator[bytes]:

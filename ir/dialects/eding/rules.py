@@ -204,7 +204,7 @@ _LISTED = (
     _p(5501, 5599, "tool_diameter", "tool diameter"),
     _p(5601, 5699, "tool_x_offset", "tool X offset"),
     _p(5701, 5799, "tool_orientation", "tool orientation"),
-    # The lists of the tool table begin with tool 1, and the sentence below them with tool 0.
+    # The lists of the tool table start with tool 1, and the sentence below them with tool 0.
     *(_p(number, number, "tool_zero", "the number before those of tool 1") for number in range(5400, 5701, 100)),
     _p(5800, 5999, "later", "not in the manual, which lists numbers up to 5799"),
 )

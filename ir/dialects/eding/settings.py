@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class EdingSettings(Settings):
     """See the module's text.
 
-    macro_file: name of the file of subprograms that is loaded with each job, beside the machine file; None: the usual
+    macro_file: name of the file of subprograms that is loaded with each job, next to the machine file; None: the usual
     one.
     super_long_file: kB beyond which a job is executed without flow control; None: not stated.
     thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.

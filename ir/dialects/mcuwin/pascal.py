@@ -43,7 +43,7 @@ FUNCTIONS = {
     "frac": "frac", "int": "int", "ln": "ln", "odd": "odd", "round": "nearest", "sin": "sin", "sqr": "sqr",
     "sqrt": "sqrt", "tan": "tan", "trunc": "trunc",
 }  # fmt: skip
-"""Function -> unary operator of the IR; those of ANGULAR begin with ``r`` where angles are radians."""
+"""Function -> unary operator of the IR; those of ANGULAR start with ``r`` where angles are radians."""
 
 ANGULAR = frozenset(("acos", "asin", "atan", "cos", "sin", "tan"))
 

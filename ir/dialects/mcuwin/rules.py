@@ -131,7 +131,7 @@ WORDS = {
     "J": ("centre of an arc, second axis", "3.3"),
     "K": ("centre of an arc, third axis", "3.3"),
 }
-"""Letters beside those of the axes: meaning, section."""
+"""Letters other than those of the axes: meaning, section."""
 
 COMMON = 1000
 """Numbers of CD and of CI, each from 0 (11)."""

@@ -1,6 +1,6 @@
 """WinCNC: the keys of WINCNC.INI and the variables in braces that the manual names.
 
-Source: the WinCNC manual, headings "WINCNC.INI Settings" and "Internally Defined Variables". A key's letters stand in
+Source: the WinCNC manual, headings "WINCNC.INI Settings" and "Internally Defined Variables". A key's letters are in
 the manual's order; ``default`` is the one that the manual gives, "" where it gives none.
 """
 
@@ -17,7 +17,7 @@ class Key:
     form: what comes after the equals sign: "letters" with numbers, a "number", "text", a "command", "axes" (letters
     of axes, with a number where the key sets one each); kind: what it belongs to; moves: it changes where axes go or
     how fast, in a job that runs as written (what only stops or delays one does not); of: the key on whose axis it acts,
-    for keys that stand below it.
+    for keys that are below it.
     """
 
     name: str

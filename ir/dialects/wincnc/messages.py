@@ -90,4 +90,4 @@ MESSAGES = (
     _M("Auto-AuxOut Not Enabled", _NOT_ENABLED),
     _M("Depth Must Be Lower Than Retract", (codes.CYCLE_R_BELOW_DEPTH,)),
 )
-"""In the manual's order; "File Not Found" and "Unknown", which stand there twice, once."""
+"""In the manual's order; "File Not Found" and "Unknown", which are there twice, once."""

@@ -255,7 +255,7 @@ WINCNC = LanguageRules(
     unit_of_machine=True,
     code_letters=frozenset("GLM"),
     measured_tools=True,  # M37
-    straight_traverse=None,  # G0: the manual names the place and the velocity, not the way
+    straight_traverse=None,  # G0: the manual names the place and the velocity, not the path
     arcs_keep_feed=True,  # Parameters: Feed Velocity
     variables=VARIABLES,
 )

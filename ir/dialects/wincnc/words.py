@@ -1,6 +1,6 @@
 """WinCNC: every command that the manual names, with its letters and their ranges.
 
-What a command does to axes and modes is in the rules of the dialect; here is what may stand on its line. Source:
+What a command does to axes and modes is in the rules of the dialect; here is what is allowed on its line. Source:
 the WinCNC manual, chapter Command Reference; a row's heading is the command under "Parameters in [Brackets]", "G
 Codes", "L Codes" or "M Codes". Ranges are those that the manual gives, and None where it gives none.
 """
