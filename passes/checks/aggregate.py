@@ -67,7 +67,7 @@ class Causes:
         self._found = {key: cause for key, cause in self._found.items() if cause.code is not code}
 
     def take(self, code: Code) -> Cause | None:
-        """The first cause of a code, which is not told then; None when there is none."""
+        """The first cause of a code, which is then not reported; None when there is none."""
         found = next((cause for cause in self._found.values() if cause.code is code), None)
         self.forget(code)
         return found

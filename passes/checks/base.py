@@ -23,7 +23,7 @@ from gproof.ir.trace_rows import split_form
 from gproof.ir.verdict import Condition, PropertyResult
 
 KEPT = 64
-"""Offences of a chunk that are told one by one at least, and for which there is room at first."""
+"""Offences of a chunk that are reported one by one at least, and for which there is room at first."""
 
 
 class Like(TypedDict, total=False):
@@ -38,7 +38,7 @@ class Like(TypedDict, total=False):
 class Remains:
     """What is left of a body, by larger cells: (ny, nx) heights that nothing of it is above, -inf for nothing.
 
-    body: its place among those of the setup; grid: (x0, y0, hx, hy, floor, top), mm; before: what stood there
+    body: its place among those of the setup; grid: (x0, y0, hx, hy, floor, top), mm; before: what was there
     before the job.
     """
 
@@ -66,7 +66,7 @@ class Check(ABC):
 
     @property
     def kept(self) -> int:
-        """Offences of a chunk that are told one by one, as many as ``findings`` takes; others stand together.
+        """Offences of a chunk that are reported one by one, as many as ``findings`` takes; others come together.
 
         Where somebody may accept findings each has to be there by itself, or none is known again.
         """
@@ -127,7 +127,7 @@ def told_of(
 
 
 Asking = tuple[Span | None, str]
-"""A move, None where none is known, and what it asks for."""
+"""A move, None where none is known, and what it requires."""
 
 
 def excluding(below: Asking, above: Asking, otherwise: Span) -> tuple[Span, str, tuple[Related, ...]]:

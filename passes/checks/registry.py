@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from gproof.passes.checks.base import Check, ZeroAt
 
 Maker = Callable[["Program", "Machine", "Setup", "Findings", "ZeroAt"], "Check"]
-"""Makes a new check of a job; the last: where zeros lie when it begins, as the language has it."""
+"""Makes a new check of a job; the last: where zeros are when it starts, as the language has it."""
 
 
 def _feeds(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
@@ -72,7 +72,7 @@ def added() -> tuple[str, ...]:
 
 
 def every_property() -> tuple[str, ...]:
-    """Every property a policy may ask for."""
+    """Every property a policy may require."""
     from gproof.ir.verdict import DEFAULT_POLICY
 
     return (*DEFAULT_POLICY, *CHECKS)

@@ -119,7 +119,7 @@ class Distance(Check):
             self._look(chunk, number, scene, tips[scene.work])
 
     def _deviation(self, state: State) -> float:
-        """mm that the tool may be beside the programmed path (``passes/geometry/off_path.py``)."""
+        """mm that the tool may be off the programmed path (``passes/geometry/off_path.py``)."""
         if blends_by_nothing(state):
             self._assumed[NO_TOLERANCE] = None
         beside = off_path(self.machine, state)
@@ -134,7 +134,7 @@ class Distance(Check):
             self._assumed[PROBES] = None
             moves &= ~probes
         self._unplaced(chunk, scene, tips, np.flatnonzero(moves & ~tips.known))
-        # Of a way from nobody knows where, its end at least is known.
+        # Of a path from an unknown place, at least its end is known.
         at = np.flatnonzero(moves & tips.end_known.all(axis=1))
         if not len(at):
             return
@@ -224,7 +224,7 @@ class Distance(Check):
             reason = Reason(int(tips.reason[k]))
             tool = int(tips.tool[k])
             if rows["op"][k] == Op.ARC or reason >= Reason.HEIGHT_MAP:
-                # What turns, or follows something else, is not where these numbers are.
+                # What turns, or follows another thing, is not where these numbers are.
                 spans = NOWHERE_KNOWN
             else:
                 spans = hull(*(self.placing.span(chunk, k, scene.work, behind=end) for end in (False, True)))

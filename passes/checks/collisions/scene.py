@@ -24,7 +24,7 @@ Ints = npt.NDArray[np.int64]
 GAP = 1e-6
 """mm between "nearer than allowed, proved" and "not, proved"."""
 CHORD = 2e-4
-"""mm that an arc may be beside its chords; twice that at most."""
+"""mm that an arc may be off its chords; twice that at most."""
 _LEVELS = 600
 _RATIO = 1.03
 _FIRST = 1e-5
@@ -40,7 +40,7 @@ class Ladder:
 
     rims: (pieces, levels, 3, 2), counts, rounds: (pieces, levels), levels, part: (pieces,); offsets: (levels,) signed
     distance to the piece that each level stands for, the first is the limit; sure: the first level that is further in
-    than any arc is beside its chords; pieces: as they are.
+    than any arc is off its chords; pieces: as they are.
     """
 
     rims: Floats
@@ -78,7 +78,7 @@ class Stretch:
     """Successive moves that come too near to a body with a part of the tool.
 
     certain: not only when the controller or the drawing takes what it may. place: file and line of the first; deepest:
-    of the move that comes nearest; moves: how many rows. boxed: the way
+    of the move that comes nearest; moves: how many rows. boxed: the path
     of the first is not known to be straight. Of first and deepest (facet, piece, tip before, way, slack).
     """
 

@@ -106,7 +106,7 @@ class Feeds(Check):
         """The answer, after the last chunk."""
         self._causes.take_over(self._held)
         if any(self.findings.counts.get(code.number) for code in _TOLD):
-            # The line that has such a feed is told already, with what it rests on.
+            # The line that has such a feed is reported already, with what it depends on.
             self._causes.forget(codes.FEED_NOT_TOLD)
         self._causes.report()
         return answer(self.name, self.findings, (KNOB,) if self._limited else ())

@@ -20,7 +20,7 @@ ROUNDING = 1e-9
 
 
 class OffsetRange:
-    """What all rows under one unknown offset leave of it, whatever frame and guard they stand in.
+    """What all rows under one unknown offset leave of it, whatever frame and guard they are in.
 
     low, high: its range; least, most: extent of the rows without it; span: the first move that rests on it; low_span,
     high_span: the rows that bound the range.

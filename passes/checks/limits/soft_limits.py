@@ -1,6 +1,6 @@
 """Soft limits: every position of the path, arcs and helices by their exact extents.
 
-An axis whose offset nobody stated gives a condition: the range of that offset for which the whole job fits.
+An axis with an unknown offset gives a condition: the range of that offset for which the whole job fits.
 Limits: Eding CNC manual 2.1.3 (positive and negative limit), 4.2 (MCAGuard); the answer is a closed interval,
 positions on a limit are inside. With the guard off the physical travel decides. What compensations add to an axis,
 and what mappings make of it, comes from ``reach`` and ``height_map``: inside a limit, but not certain to stay there
@@ -39,7 +39,7 @@ FOLLOWED = {
     HEIGHT_MAP: "the height map was measured on the work that is on the table",
     KNIFE: "the knife points along +X where its axis is at 0, turns counter-clockwise, the shorter way, and not in G0",
 }
-"""What an answer about positions stands on while the controller adds to the path."""
+"""What an answer about positions depends on while the controller adds to the path."""
 _ACROSS = (Plane.YZ, Plane.XZ, Plane.XY)
 """Of X, Y and Z, the plane whose arcs do not move it by themselves."""
 HOMING_HINT = "home the axes before the job, and state homed = [...] in the setup file"
@@ -87,7 +87,7 @@ class Limits(Check):
         self._heights = heights_of(setup.height_map)
         self._plain = self._heights is None and all(reach.plain for reach in self.reaches.values())
         self._trace: Trace | None = None
-        # Axes that are stated to have had no reference run, of which that is not told yet.
+        # Axes that are stated to have had no reference run, for which that is not reported yet.
         self._unhomed = setup.unhomed(machine)
         self._used = [False] * AXES
         self._errors = 0
@@ -208,7 +208,7 @@ class Limits(Check):
             span = 0.0 if index != 2 or not len(added) else float(added[row, 0 if below else 1])
             plain = reach - span
             if (limit - plain if below else plain - limit) > ROUNDING:
-                continue  # told already, as an error
+                continue  # reported already, as an error
             if span and self._heights is not None and self._lifted_beyond(chunk, row, limit, below):
                 continue
             what = " and ".join(w for w in (axis.what, "the height map" if span else "") if w)
@@ -221,7 +221,7 @@ class Limits(Check):
             )  # fmt: skip
 
     def _first_moves(self, chunk: Chunk) -> npt.NDArray[np.int64]:
-        """(6,): the chunk's first row at whose end an axis has moved since the job began; its length when none."""
+        """(6,): the chunk's first row at whose end an axis has moved since the job started; its length when none."""
         rows = chunk.rows
         moved = rows["to"] != np.array(self._start)
         moved[:, :3] |= (rows["op"] == Op.ARC)[:, np.newaxis]
@@ -256,13 +256,13 @@ class Limits(Check):
         return True
 
     def _never_homed(self, chunk: Chunk) -> None:
-        """GP304 at the first move of an axis whose machine positions nobody knows: no limit is watched there."""
+        """GP304 at the first move of an axis whose machine positions are unknown: no limit is watched there."""
         rows, starts, frames = chunk.rows, chunk.starts(), chunk.start_frames()
         goes = rows["op"] <= Op.PROBE
         for axis in sorted(self._unhomed):
             there = self.machine.axis(AXIS_NAMES[axis])
             if there is not None and self._endless(axis, there):
-                continue  # one that turns without end may stand anywhere
+                continue  # one that turns without end may be anywhere
             symbol = f"{UNHOMED}.{AXIS_NAMES[axis]}"
             forms = [frame[axis] for frame in chunk.trace.frames]
             lost = np.array([any(name == symbol for name, _ in form) for form in forms], dtype=bool)
@@ -280,7 +280,7 @@ class Limits(Check):
                 self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=word, cause=cause, hint=HOMING_HINT))
 
     def _begin_mapping(self) -> None:
-        """GP321 for what a mapping of Y onto A needs and nobody stated."""
+        """GP321 for what a mapping of Y onto A needs and the setup does not give."""
         self._assumptions.append("Y is mapped onto A for the complete job; times are those of the flat drawing")
         cylinder = self.setup.cylinder
         assert cylinder is not None and self._first is not None
@@ -416,7 +416,7 @@ class Limits(Check):
         return False
 
     def _judge_lost(self, index: int) -> None:
-        """GP304 for an axis of which nobody knows where it goes, unless its cause is told."""
+        """GP304 for an axis whose path is unknown, unless its cause is reported."""
         assert self._trace is not None
         for slot in range(len(self._low)):
             there = self._low[slot, index] <= self._high[slot, index]
@@ -446,7 +446,7 @@ class Limits(Check):
                 continue
             form, off = self._trace.frames[slot // 2][index], slot % 2 == 1
             if form == UNKNOWN or _is_lost(form):
-                continue  # told already, or at its first move
+                continue  # reported already, or at its first move
             low, high = self._sides(axis, off)
             if off and axis is not None:
                 low, high = self._guard_off(axis, form, slot, least, most)
@@ -477,7 +477,7 @@ class Limits(Check):
             offset.within(room, at, at, (self._first, self._first))
 
     def _endless(self, index: int, axis: Axis) -> bool:
-        """Whether an axis turns and its machine's file gives it no limit of any kind: it may go wherever it is told."""
+        """Whether an axis turns and its machine's file gives it no limit of any kind: it may go to any position."""
         assert self._trace is not None
         if axis.kind is not AxisKind.ROTARY or self.machine.axes == NO_MACHINE.axes:
             return False
@@ -515,8 +515,8 @@ class Limits(Check):
     ) -> tuple[float | None, float | None]:
         """What holds with the guard off: the soft limit as far as the path stays within it, then the travel.
 
-        A crossing is always told (GP307). Where the offset is unknown, the travel, or the soft limit where
-        nobody stated the travel.
+        A crossing is always reported (GP307). Where the offset is unknown, the travel, or the soft limit where
+        the travel is unknown.
         """
         sides: list[float | None] = []
         (lower, upper), (travel_lower, travel_upper) = self.reaches[axis.name].sure

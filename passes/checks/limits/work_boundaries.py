@@ -246,7 +246,7 @@ class Boundaries(Check):
             else:
                 low, high = min(low, high), max(low, high)
                 if all(coefficient < 0 for _, coefficient in form):
-                    # Told of the offset itself, not of its negative.
+                    # Reported for the offset itself, not of its negative.
                     form, low, high = tuple((symbol, -c) for symbol, c in form), -high, -low
                     places = places[1], places[0]
                 conditions.append(Condition(terms=form, low=low, high=high, places=places))

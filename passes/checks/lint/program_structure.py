@@ -1,6 +1,6 @@
 """What is odd in a program as it is written: lines that nothing leads to, names that nothing uses, fixed conditions.
 
-Only what is in the job's own file is told: include files and macros of a machine serve other jobs too.
+Only what is in the job's own file is reported: include files and macros of a machine serve other jobs too.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class Written:
     def _dead(self, body: tuple[Statement, ...], inner: bool) -> Iterator[Finding]:
         """GP153: after a jump, a return or, in an inner body, an end of the program, up to the next label.
 
-        Behind the end of the body that runs first GP123 tells.
+        After the end of the body that runs first, GP123 reports it.
         """
         gone = ""
         for node in body:
@@ -148,7 +148,7 @@ class Written:
         return line, int(words["line"][int(behind[0])]) if len(behind) else 0
 
     def _is_end(self, node: Statement) -> bool:
-        """Whether a line only ends the program: compilers ask for one, whatever leads to it."""
+        """Whether a line only ends the program: compilers require one, whatever leads to it."""
         if not isinstance(node, Block) or node.assigns or not node.words:
             return False
         table = self._program.rules.codes

@@ -1,8 +1,8 @@
-"""Height fields of bodies of stock before the job: what fills each cell for certain, and what may stand in it.
+"""Height fields of bodies of stock before the job: what fills each cell for certain, and what may be in it.
 
 A cell is all of a rectangle in X and Y. ``upper``: no stock of the body is higher anywhere in the cell; ``lower``:
 from the floor of the body up to there all of the cell is stock; -inf where there is none. Cells fit into the
-body's extent a whole number of times, so that they are at most as large as asked for. Boxes are exact; cylinders and
+body's extent a whole number of times, so that they are at most as large as required. Boxes are exact; cylinders and
 prisms are but in the cells that their outline passes, where ``lower`` is -inf. A mesh gives the highest place of its
 triangles in a cell, and the lowest of those that look upwards, where nothing else is over the floor: cells with a
 wall or an underside have no ``lower``.

@@ -86,7 +86,7 @@ STATE = (
     "what the machine file does not give for a tool (flute_length, shank_diameter, stickout, holder) can be anything"
 )
 WEIGHT = np.array([0, 2, 5, 4, 3, 1])
-"""Of what is told of a row, the worst of several bodies counts."""
+"""Of what is reported for a row, the worst of several bodies counts."""
 
 
 class _Left:
@@ -113,7 +113,7 @@ class _Left:
 
 
 class StockLeft(Check):
-    """The property ``collisions``, as far as it asks for stock."""
+    """The property ``collisions``, as far as it is about stock."""
 
     name = "collisions"
 
@@ -180,7 +180,7 @@ class StockLeft(Check):
         return out
 
     def _enter(self, section: int) -> None:
-        """Begin a section with what the ways to it have left."""
+        """Start a section with what the branches to it have left."""
         first = self._section < 0
         self._section = section
         found = self._waiting.pop(section, None)
@@ -279,13 +279,13 @@ class StockLeft(Check):
         return may_meet((ANYTHING,) if shape.problem else shape.pieces, (placed.body,), spans, room)
 
     def _beside(self, chunk: Chunk) -> Floats:
-        """By row: mm that the tool may be beside the programmed path (``passes/geometry/off_path.py``)."""
+        """By row: mm that the tool may be off the programmed path (``passes/geometry/off_path.py``)."""
         out = [ROUNDING + off_path(self.machine, state).distance for state in chunk.trace.states]
         beside: Floats = np.array(out, dtype=np.float64)[chunk.rows["state"]]
         return beside
 
     def _beside_arcs(self, rows: Columns, tips: Tips) -> Floats:
-        """By row: mm that the controller's own way along an arc may be beside it."""
+        """By row: mm that the controller's own path along an arc may be off it."""
         arcs = rows["op"] == Op.ARC
         if not arcs.any():
             return np.zeros(len(rows))
@@ -371,7 +371,7 @@ class StockLeft(Check):
     def _without_stock(self) -> PropertyResult:
         given = self.setup.workpiece
         if given is None or not (given.part or given.fixtures):
-            # What is left open then is told of fixtures, part and stock together
+            # What is left open then is reported for fixtures, part and stock together
             # (passes/checks/collisions/collisions.py).
             return PropertyResult(name=self.name, verdict=Verdict.UNKNOWN)
         if given.fixtures:

@@ -24,7 +24,7 @@ it cuts, height from which on it is thinner than its cutter, radius within which
 PART_COLUMNS = 6
 NOT_KNOWN = (-1.0, 0.0, 0.0, 0.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 0.0)
 AXIS = 1e-8
-"""mm around the axis of a drill of which nobody knows the tip: there its tip is."""
+"""mm around the axis of a drill with an unknown tip: there its tip is."""
 Row = tuple[float, ...]
 
 
@@ -72,7 +72,7 @@ def profile(tool: Tool) -> Row:
 
 
 def rows_of(tool: Tool) -> tuple[Row, list[Row]]:
-    """The row of a tool, and those of its shank and holder: (family, radius, c, k, height, column of what is told)."""
+    """The row of a tool, and those of its shank and holder: (family, radius, c, k, height, column of the report)."""
     family, radius, c, k = profile(tool)
     flutes, stickout = tool.flute_length, tool.stickout
     stated = [each for each in (flutes, stickout) if each is not None]

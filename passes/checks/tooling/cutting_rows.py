@@ -1,7 +1,7 @@
 """Which rows cut, and with what: columns that the properties feeds and cutting share.
 
 A row counts as a cut when it is a feed move or an arc that goes somewhere, not straight up, with a head that holds a
-tool (not the probe or the camera); where nothing is stated of the stock, whether material is there nobody knows.
+tool (not the probe or the camera); without stock in the setup, it is unknown whether material is there.
 Moves of the machine's own macros that fetch or measure tools (what replaces a code, changes or measures a tool, and
 starts no spindle) are not cuts. Nor are moves with the guard of the tool change area off, where the job switches it on
 again: what they would give is held back until then (``Guarded``).

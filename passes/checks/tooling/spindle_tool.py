@@ -20,7 +20,7 @@ _OTHERS = 1_000_000
 @record(frozen=True, slots=True)
 class Entry:
     """What is known of a tool. number: 0 none, -1 not known; tool: None where the table has none; doubt: why its
-    diameter is left out, "" where it is not; ends: mm between which the diameter is, None where nobody states it."""
+    diameter is left out, "" where it is not; ends: mm between which the diameter is, None where it is unknown."""
 
     number: int
     tool: Tool | None

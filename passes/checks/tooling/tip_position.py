@@ -1,6 +1,6 @@
 """Where the tip of the tool is in the coordinates of a body: stock, part or fixture.
 
-Takes a Machine, a Setup and rows of the Trace; gives positions of the tip (mm) beside the zero that the body counts
+Takes a Machine, a Setup and rows of the Trace; gives positions of the tip (mm) from the zero that the body counts
 from. A body does not move: its zero is where that of its coordinate system was when the job began, local offsets (G92)
 included. Positions of rows and zeros are sums of numbers and unknowns (``ir/trace.py``), so that an offset that nobody
 stated cancels, and one that the program sets itself is followed. What does not cancel, and is not stated exactly, is
@@ -37,7 +37,7 @@ Bools = npt.NDArray[np.bool_]
 
 OWN_ZERO = "where no tool length is active, the work zero was set with the tool that is in the spindle"
 SMOOTHED = "corners that the controller rounds do not reach a body"
-"""Assumption: how far smoothing goes beside the path is in no file (WinCNC accel=, g08=, g09=, vmatch=)."""
+"""Assumption: how far smoothing leaves the path is in no file (WinCNC accel=, g08=, g09=, vmatch=)."""
 OWN_LENGTH = "the tool length at the start of the job is that of the tool in the spindle (not in the setup file)"
 OTHER_HEADS = "heads other than the first one hit nothing: {axes} is not checked"
 
@@ -47,7 +47,7 @@ class Reason(enum.IntEnum):
 
     KNOWN = 0
     START = 1
-    """A traverse from where the axes stand when the job starts, or a row that moves nothing there."""
+    """A traverse from where the axes are when the job starts, or a row that moves nothing there."""
     OFFSET = 2
     HEIGHT_MAP = 3
     ROTARY = 4
@@ -186,7 +186,7 @@ class Placing:
         )
 
     def _rests_on_length(self, frame: tuple[Affine, ...], left: tuple[Affine, Affine, Affine], work: int) -> bool:
-        """Whether a place beside a body is open by the length of the tool alone."""
+        """Whether a place relative to a body is open by the length of the tool alone."""
         zero = self.zero(work)
         return not any(frame[axis] or zero[axis].form for axis in range(3) if left[axis])
 
@@ -317,7 +317,7 @@ def rotary_axes(machine: Machine) -> list[int]:
 
 
 def turned(chunk: Chunk, axis: int, value: float, form: Affine) -> Bools:
-    """(n,): rows at one of whose ends an axis does not stand at a place, that of the start of the job."""
+    """(n,): rows at one of whose ends an axis is not at a place, that of the start of the job."""
     rows, trace = chunk.rows, chunk.trace
     away: Bools = (chunk.starts()[:, axis] != value) | (rows["to"][:, axis] != value)
     for column in (chunk.start_frames(), rows["frame"]):
@@ -329,12 +329,12 @@ def turned(chunk: Chunk, axis: int, value: float, form: Affine) -> Bools:
 
 
 def rests_on_length_in_force(state: State) -> bool:
-    """Whether where the tip is rests on the length that was in force when the job began, which no setup states."""
+    """Whether where the tip is rests on the length that was in force when the job started, which no setup gives."""
     return any(symbol.startswith("tool.0.") for each in state.tip for symbol, _ in each.form)
 
 
 def _why(frame: tuple[Affine, ...], left: tuple[Affine, Affine, Affine]) -> int:
-    """START where the axes whose place is open stand at, or beside, the place of the start."""
+    """START where the axes whose place is open are at, or near, the place of the start."""
     begun = all(
         symbol.startswith("start.") for form, rest in zip(frame, left, strict=False) if rest for symbol, _ in form
     )

@@ -1,6 +1,6 @@
 """Between what the tip of a tool is where its place is only bounded, and whether anything there may meet a body.
 
-A start, an offset or a length that the setup states as a range, a probe's contact, the way of homing moves: the tip may
+A start, an offset or a length that the setup gives as a range, a probe's contact, the path of homing moves: the tip may
 be anywhere in a box then. Takes such boxes in the coordinates of a body (``placing.Placing.span``) and the pieces of a
 tool; what it calls clear is clear for every path within the box.
 """

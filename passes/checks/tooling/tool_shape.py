@@ -19,7 +19,7 @@ Rim = tuple[float, float]
 CUTTER, SHANK, HOLDER, UNSTATED = range(4)
 PARTS = ("cutter", "shank", "holder", "unknown part above its given length")
 WIDE = 1e4
-"""Radius of what nobody stated: wider than any machine."""
+"""Radius of what is unknown: wider than any machine."""
 HIGH = 1e4
 """How far up the last piece goes."""
 
@@ -44,7 +44,7 @@ class Piece:
 
 
 ANYTHING = Piece(part=UNSTATED, rims=((WIDE, 0.0), (WIDE, WIDE)))
-"""All of space above the tip: of a tool whose shape nobody stated."""
+"""All of space above the tip: of a tool whose shape is unknown."""
 
 
 @record(frozen=True, slots=True, kw_only=True)

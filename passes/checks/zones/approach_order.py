@@ -1,5 +1,5 @@
 """The order of approach: Z is up before a tool is changed, before the way to where that is done, and, where the machine
-file asks for it, before the first move in X or Y.
+file requires it, before the first move in X or Y.
 
 ``[tool_change] clear_z`` of the machine file is the machine position that Z must have reached. Where it rests on
 unknown offsets the answer is a condition on them.
@@ -82,7 +82,7 @@ class Clearance:
         return [begin, (end, form)]
 
     def _ways_in(self, chunk: Chunk, moves: np.ndarray) -> Iterator[int]:
-        """Moves from beside the tool change area, seen from above, to a place within it, or perhaps so."""
+        """Moves from outside the tool change area, seen from above, to a place within it, or perhaps so."""
         assert self._area is not None
         rows, trace = chunk.rows, chunk.trace
         known = np.array([frame[:2] == ((), ()) for frame in trace.frames], dtype=bool)

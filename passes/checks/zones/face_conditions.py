@@ -1,4 +1,4 @@
-"""Where offsets are unknown: the extents of a job's rows, and what keeps all of them beside a zone.
+"""Where offsets are unknown: the extents of a job's rows, and what keeps all of them clear of a zone.
 
 One face of the zone's box that the whole path stays beyond is enough; the one that leaves the most room is taken.
 """
@@ -105,7 +105,7 @@ class OpenPlaces:
         return None if best is None else best[1]
 
     def _readings(self, axis: int) -> Iterator[tuple[Affine, float, float, Affine]]:
-        """(what it rests on, low, high, what the axis rests on) of each place that must be beside a face."""
+        """(what it rests on, low, high, what the axis rests on) of each place that must be beyond a face."""
         for (number, frame), low in self.low.items():
             own = self.trace.frames[frame][axis]
             least, most = float(low[axis]), float(self.high[number, frame][axis])

@@ -5,7 +5,7 @@ all of which moves with the offset, that is the zone taken from every place of t
 parts set off from both ends. For a move from a place that stays to one that moves it is what is after the zone, seen
 from there. What is left of the offsets' own ranges is the answer. Zones are open, so that touching is allowed.
 
-Approximations are to the safe side, and how far is told (``Region.resolution``): arcs are cut into chords with
+Approximations are to the safe side, and how far is reported (``Region.resolution``): arcs are cut into chords with
 their tangents, round edges (a tool's radius) and moves that climb into pieces. The polygons are shapely's.
 """
 
@@ -88,7 +88,7 @@ class Layer:
 class Region:
     """What is left. resolution: mm beyond which nothing outside is free, None: more may be free anywhere.
 
-    hopeless: nothing is left even beside the moves that are blocked exactly.
+    hopeless: nothing is left even clear of the moves that are blocked exactly.
     """
 
     layers: tuple[Layer, ...]

@@ -274,7 +274,7 @@ def arc_enters(zone: Zone, arc: Arc) -> Entry | None:
         out[w] = arc.start[w] + (arc.end[w] - arc.start[w]) * t
         return out[0], out[1], out[2]
 
-    # At an equal part of the way a chord over dt is within dt² / 8 of the greatest second derivative of its arc.
+    # At an equal part of the path a chord over dt is within dt² / 8 of the greatest second derivative of its arc.
     bend = (max(r0, r1) * abs(sweep) + 2.0 * abs(r1 - r0)) * abs(sweep) / 8.0
     flat = arc.plane == Plane.XY
     pieces = max(4, math.ceil(abs(sweep) / (math.pi / 4)))

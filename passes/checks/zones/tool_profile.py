@@ -44,7 +44,7 @@ def parts(tool: Tool) -> tuple[Part, ...]:
     cutter = tool.diameter or 0.0
     flute, stickout, shank = tool.flute_length, tool.stickout, tool.shank_diameter
     if flute is not None and shank is not None and shank > cutter:
-        # How high it goes without a stickout nobody says; that it is there, it says.
+        # Without a stickout its height is unknown, but it is there.
         heights = (flute, max(flute, stickout or 0.0))
         out.append(Part("shank", heights, (shank, shank), heights))
     at = stickout
@@ -100,13 +100,13 @@ def _cutter(entry: Entry) -> Part:
 
 
 class Told:
-    """Lines of which one part of the tool has been told: the others say no more of them."""
+    """Lines of which one part of the tool has been reported: the others say no more of them."""
 
     def __init__(self) -> None:
         self._told: set[tuple[str, int, bool]] = set()
 
     def again(self, span: Span, *, certain: bool) -> bool:
-        """Whether it was told, for certain where this is; notes it."""
+        """Whether it was reported, for certain where this is; notes it."""
         keys = {(span.file, span.line, True), (span.file, span.line, certain)}
         if not keys.isdisjoint(self._told):
             return True

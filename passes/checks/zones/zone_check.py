@@ -61,9 +61,9 @@ MOST = 10_000
 """Of lines that enter one zone: the rest of the job is not looked at for it."""
 TURNED = "a rotary axis, which is not where it was at the start of the job"
 _MANY = 256
-"""Rows beside a polygon from which on shapely sorts out those that are far from it."""
+"""Rows near a polygon from which on shapely sorts out those that are far from it."""
 _FEW_PLACES = 64
-"""Among so many extents the move that leaves no face is looked for; of a job with more its first open move is told."""
+"""Among so many extents the move that leaves no face is looked for; of a job with more its first open move counts."""
 
 
 Hears = Callable[[str, View, Chunk, npt.NDArray[np.bool_], bool | None], None]
@@ -85,14 +85,14 @@ class ZoneCheck:
         self.area, self.machine, self.setup, self.findings = area, machine, setup, findings
         self.errors = 0
         self.is_open = False
-        """It is not decided, for a reason that is told elsewhere."""
+        """It is not decided, for a reason that is reported elsewhere."""
         self._heights, self._straight, self._origin, self._change = heights, straight, origin, change
         self._hears, self._number, self._told = hears, part, told
         self._views: list[View] = []
         self._of_key: dict[object, int] = {}
         self._of_state: list[int] = []
         self._symbolic: Span | None = None
-        # The first of them that leaves no face beside which all may stay.
+        # The first of them that leaves no face beyond which all may stay.
         self._blocked: Span | None = None
         self._open = OpenPlaces(machine, setup, self._views)
         # A zone of the work turns with it; one of the machine stays.
@@ -127,7 +127,7 @@ class ZoneCheck:
         """What of the tool in the spindle is judged; None: nothing of it."""
         if self._change:
             return Part("", TIP, TIP, TIP)
-        # The setup "zero" says tool 0 of any machine: what is in its spindle nobody knows.
+        # The setup "zero" says tool 0 of any machine: what is in its spindle is unknown.
         known = state.tool > 0 or (state.tool == 0 and self.setup.name != ZERO.name)
         those = entries(self.machine, state if known else replace(state, tool=-1))
         return part_of(those, self._number, known=known)
@@ -198,7 +198,7 @@ class ZoneCheck:
         return state.head != 0 or (state.work > 1 and any(space.number == state.work + 53 for space in spaces))
 
     def _beside_cylinder(self, part: Part) -> bool:
-        """With Y mapped onto A: whether the machine's Y, which then stays, is beside the zone."""
+        """With Y mapped onto A: whether the machine's Y, which then stays, is clear of the zone."""
         at = None if self.setup.cylinder is None else self.setup.cylinder.y
         if at is None or self._origin is not None:
             return False
@@ -318,7 +318,7 @@ class ZoneCheck:
         self._entered(span, sure, view)
 
     def _bow_of(self, rows: Columns, row: int, p: Point, shift: Point) -> float:
-        """mm that the controller's own way along an arc may be beside it."""
+        """mm that the controller's own path along an arc may be off it."""
         if self._change:
             return 0.0
         center = np.array([_point(rows["center"][row], shift)])
@@ -345,7 +345,7 @@ class ZoneCheck:
             self.findings.add(codes.KEEP_OUT_ZONE.at(span, name=name, where=where, depth=entry.depth, hint=view.part))
 
     def _is_told(self) -> bool:
-        """Whether it is told elsewhere that places are lost: with a line that is refused, or at the move after it."""
+        """Whether lost places are reported elsewhere: with a line that is refused, or at the move after it."""
         counts = self.findings.counts
         return codes.POSITION_UNKNOWN.number in counts or self.findings.has(Severity.ERROR)
 
@@ -377,7 +377,7 @@ class ZoneCheck:
             if any(box_enters(view.outer, *spans) for spans in homing(self.machine, names, start, shift)):
                 self._doubt(row_span(chunk.trace, rows, row), "the path of homing moves", view)
 
-    # -- places that nobody knows
+    # -- unknown places
 
     def _clear(self, chunk: Chunk, view: View, open_: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
         """(n,): rows that stay beyond a face of the zone's box for all values of what they rest on."""
@@ -404,7 +404,7 @@ class ZoneCheck:
         return clear
 
     def _spread(self, trace: Trace, view: View, frame: int) -> list[Pair]:
-        """By axis, between what positions of a frame lie beside the zone, less their numbers."""
+        """By axis, between what positions of a frame are clear of the zone, less their numbers."""
         found: list[Pair] = []
         for axis, (own, base) in enumerate(zip(trace.frames[frame][:3], view.form, strict=True)):
             ends = self._range_of(trace, own, base)
@@ -424,7 +424,7 @@ class ZoneCheck:
         self, chunk: Chunk, number: int, known: npt.NDArray[np.bool_], open_: npt.NDArray[np.bool_]
     ) -> None:  # fmt: skip
         """Extents by frame of the rows that do not lie in known frames from end to end, and the first of them that
-        leaves no face of the zone beside which all may stay."""
+        leaves no face of the zone beyond which all may stay."""
         at = np.flatnonzero(open_)
         if self._symbolic is None:
             self._symbolic = row_span(chunk.trace, chunk.rows, int(at[0]))
@@ -465,12 +465,12 @@ class ZoneCheck:
         for frame in occurring(before[open_]):
             starts = befores[open_ & (before == frame), :3]
             self._open.widen(number, frame, starts.min(axis=0), starts.max(axis=0))
-        # A known frame that meets an unknown one needs its own extent beside the same face, arcs their bulge as well.
+        # A known frame that meets an unknown one needs its own extent beyond the same face, arcs their bulge as well.
         for row in np.flatnonzero(open_ & known[rows["frame"]]).tolist():
             self._open.widen(number, int(rows["frame"][row]), *row_box(rows, row, befores[row]))
 
     def conditions(self, given: Ranges) -> tuple[Condition, ...]:
-        """What keeps the rest of the path beside the zone; given: what is asked of offsets anyway."""
+        """What keeps the rest of the path clear of the zone; given: what is required of offsets anyway."""
         if not self._open.low or self.errors:
             return ()
         found = self._open.best_face(given)

@@ -1,8 +1,8 @@
-"""Moves beside zones whose places rest on unknown offsets: collected while a job streams by, then regions of offsets.
+"""Moves near zones whose places depend on unknown offsets: collected while a job streams by, then regions of offsets.
 
 A coordinate is a number, a sum of unknown offsets (``Affine``), and what is only bounded: a tool length that was
 stated as a range, a probe contact. Offsets are told apart by their sums: all moves that rest on the same three sums, or
-on some of them, are one group, whose region says where those sums may be. What a move rests on beside is taken
+on some of them, are one group, whose region says where those sums may be. What else a move depends on is taken
 at all its values; where it has no bounds, the move may be anywhere.
 """
 
@@ -72,7 +72,7 @@ class Place:
 
 @record(slots=True)
 class _Rows:
-    """Rows beside one stand, as columns; frames: of starts and ends, as indices of all forms met."""
+    """Rows near one stand, as columns; frames: of starts and ends, as indices of all forms met."""
 
     start: list[Floats] = field(default_factory=list)
     end: list[Floats] = field(default_factory=list)
@@ -91,7 +91,7 @@ class OpenZones:
         self._forms: dict[Triple, int] = {}
 
     def add(self, chunk: Chunk, stand: Stand, mine: npt.NDArray[np.bool_], *, is_straight: bool | None = True) -> None:
-        """Rows of a chunk beside a stand. mine: (n,); is_straight: whether traverses are straight lines, None: open."""
+        """Rows of a chunk near a stand. mine: (n,); is_straight: whether traverses are straight lines, None: open."""
         rows = chunk.rows
         if not mine.any():
             return
@@ -108,7 +108,7 @@ class OpenZones:
 
     @property
     def empty(self) -> bool:
-        """Whether no row rests on anything unknown beside a zone."""
+        """Whether no row rests on anything unknown near a zone."""
         return not self._rows
 
     def faces(self) -> tuple[Floats, Floats]:
@@ -183,7 +183,7 @@ def _asked(group: Triple, ranges: Ranges) -> tuple[tuple[Pair, Pair, Pair], tupl
 def _moves(
     rows: _Rows, stand: Stand, groups: list[Triple], resolved: Resolved, ranges: Ranges
 ) -> list[tuple[int, Move]]:  # fmt: skip
-    """Moves of rows, each with the group that it is told of: that of its end, else of its start."""
+    """Moves of rows, each with the group that it belongs to: that of its end, otherwise of its start."""
     shift = np.array(stand.shift)
     start, end = np.concatenate(rows.start) - shift, np.concatenate(rows.end) - shift
     center, frames = np.concatenate(rows.center) - shift, np.concatenate(rows.frames)
