@@ -10,11 +10,8 @@ from support.goldens import ROOT
 from support.old_words import old_words, prose
 
 PAGES = [
-    *(
-        ROOT / name
-        for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
-        if (ROOT / name).is_file()
-    ),
+    *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")),
+    *(ROOT / name for name in ("corpus/README.md", "bench/README.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
 ]
 GLOSSARY = re.compile(r"^## Glossary$.*?(?=^## )", re.MULTILINE | re.DOTALL)
