@@ -106,7 +106,7 @@ def _told(outcomes: Iterator[Outcome], form: str, output: Path | None, every: bo
 
 
 def further_reports(names: Sequence[str], output: Path | None) -> list[tuple[str, Path]]:
-    """What each ``--report FORMAT=FILE`` asks for; UsageError for one that is none, and for a file named twice."""
+    """What each ``--report FORMAT=FILE`` requests; UsageError for one that is none, and for a file named twice."""
     asked: list[tuple[str, Path]] = []
     for name in names:
         form, _, file = name.partition("=")

@@ -70,7 +70,7 @@ def _lines(request: Request, made: Compiled, package: NewPackage) -> Iterator[st
 
 
 def _measured_later(made: Compiled, package: NewPackage) -> Iterator[str]:
-    """What the setup at hand has to state when the package runs, and where the axes have to stand."""
+    """What the setup at hand must give when the package runs, and where the axes must be."""
     machine, left_open = made.session.machine, package.lowered.left_open
     unit = unit_of_report(made.session, made.judgement)
     for place in left_open.places.values() if left_open is not None else ():

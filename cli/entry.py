@@ -1,4 +1,4 @@
-"""Where the command begins: a signal while gproof is still imported ends it in one line, as later ones do.
+"""Where the command starts: a signal while gproof is still imported ends it in one line, as later ones do.
 
 Nothing is imported at the top that Python has not loaded by itself.
 """

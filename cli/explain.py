@@ -61,7 +61,7 @@ def _retired(text: str) -> str:
 
 
 def _name(text: str) -> str:
-    """A name as codes have it, whatever stands between its words."""
+    """A name as codes have it, whatever is between its words."""
     return "-".join(re.findall(r"[a-z0-9]+", text.lower()))
 
 
@@ -77,7 +77,7 @@ def _near(text: str) -> str:
     found = difflib.get_close_matches(_name(text), names, 3, 0.7)
     shared = {name: sum(word in name for word in words) for name in names}
     most = sorted((name for name in names if shared[name]), key=lambda name: (-shared[name], names[name].number))
-    # A name with one letter wrong needs no others beside it.
+    # A name with one letter wrong needs no others next to it.
     found = difflib.get_close_matches(_name(text), names, 1, 0.9) or list(dict.fromkeys([*found, *most]))[:SHOWN]
     if not found:
         return _SHAPES

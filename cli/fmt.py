@@ -179,7 +179,7 @@ def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
 
 
 def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: bool, to_stdout: bool) -> None:
-    """UsageError, before anything is done, for what can not be read or written, and for options at odds."""
+    """UsageError, before anything is done, for what cannot be read or written, and for options at odds."""
     if to_stdout and (only_check or diff):
         raise UsageError(f"--stdout and {'--check' if only_check else '--diff'} cannot be used together")
     if STANDARD_INPUT in files and sys.stdin is None:
@@ -256,7 +256,7 @@ def _format(form: Form, source: Path, scratch: Path, name: str) -> bool:
 
 
 def _tried(form: Form, source: Path, scratch: Path, name: str) -> Findings | None:
-    """Print ``source`` into ``scratch``; what was found when that can not be done."""
+    """Print ``source`` into ``scratch``; what was found when that cannot be done."""
     findings = Findings()
     program = form.alone.load(source, findings, name)
     if program is None or findings.has(Severity.ERROR):

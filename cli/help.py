@@ -44,14 +44,14 @@ def option(*names: str, **attributes: Any) -> Callable[[_Decorated], _Decorated]
 
 
 class Command(click.Command):
-    """A command whose options stand under titles, in the order in which the titles come; examples: command lines."""
+    """A command whose options are under titles, in the order in which the titles come; examples: command lines."""
 
     def __init__(self, *names: Any, examples: Iterable[str] = (), **attributes: Any) -> None:
         super().__init__(*names, **attributes)
         self.examples = tuple(examples)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Print the options; all their columns begin at one place."""
+        """Print the options; all their columns start at one place."""
         print_options(self, ctx, formatter)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -16,7 +16,7 @@ from gproof.verify.certificate.signers import Signer, fingerprint, today
 
 
 def run_new(output: Path | None) -> int:
-    """Make the own key, or one for somewhere else; never over another."""
+    """Make the own key, or one for another place; never over another."""
     from gproof.verify.certificate.keys import create_key, raw_public
 
     if output is not None:
@@ -58,7 +58,7 @@ def _state(one: Signer) -> str:
 
 
 def run_show(name: str) -> int:
-    """The public key, alone on standard output; its fingerprint beside it."""
+    """The public key, alone on standard output; its fingerprint with it."""
     from gproof.verify.certificate.keys import load_key, public_key_text, raw_public
 
     found = next((one for one in read_ring().signers if one.name == name), None)

@@ -515,7 +515,7 @@ def main(arguments: list[str] | None = None) -> int:
         with ended_by_signals():
             return _run(arguments)
     except OSError:
-        # Standard error can not be written: there is nowhere to say so, and a verdict's code would lie.
+        # Standard error cannot be written: there is nowhere to say so, and a verdict's code would lie.
         discard(sys.stderr)
         return COULD_NOT_RUN
 

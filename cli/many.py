@@ -52,7 +52,7 @@ class _Text(io.StringIO):
 
 
 def judge_one(job: Job, how: How) -> Outcome:
-    """Judge a job; one that can not be judged is an outcome too."""
+    """Judge a job; one that cannot be judged is an outcome too."""
     from gproof.driver.session import open_session
     from gproof.report.summary import print_brief, report_for_people, report_json
 

@@ -31,7 +31,7 @@ REPORT, SEVERAL, PACKAGE, RECORD = "Output", "Several jobs", "Package", "Record 
 AGAIN, BOARD, READ = "Compile again", "Run", "Input"
 """Titles of options in the help."""
 MOST = 10**15
-"""Of what is counted: whatever is larger says nothing else."""
+"""Of what is counted: whatever is larger says no more."""
 NO_END = 10**9
 """From here on the upper end of a range of numbers is one that nobody meets."""
 
@@ -64,7 +64,7 @@ class Finite(click.FloatRange):
 
 
 class OneOf(_NameType):
-    """One of the names of a registry, which is asked when somebody asks for it: listing commands imports none."""
+    """One of the names of a registry, which is read when it is needed: listing commands imports none."""
 
     name = "choice"
 
@@ -87,7 +87,7 @@ class OneOf(_NameType):
         return self._choice().get_missing_message(*where, **more)
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        """The names that begin so."""
+        """The names that start so."""
         return self._choice().shell_complete(ctx, param, incomplete)
 
 

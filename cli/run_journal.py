@@ -1,7 +1,7 @@
 """What a run leaves on the disk: its journal while it goes on, its signed record afterwards, wherever there is room.
 
-``backend/journal.py`` is the file itself. Here is where it stands, what happens to one that an earlier run left open,
-and the way of a record to the user: the place asked for, else the folder of the runs, else the folder for temporary
+``backend/journal.py`` is the file itself. Here is where it is, what happens to one that an earlier run left open,
+and how a record reaches the user: the requested place, else the folder of the runs, else the folder for temporary
 files, else standard error.
 """
 
@@ -37,7 +37,7 @@ RECORD = ".record.json"
 def runs_folder(given: Path | None) -> Path:
     """Where journals and records are kept: the user's own folder for gproof, or another one that is given.
 
-    UsageError for one that somebody else can write: what stands in a journal is signed with the user's key.
+    UsageError for one that somebody else can write: the text of a journal is signed with the user's key.
     """
     from gproof.ir.private_folder import not_private
 
@@ -76,7 +76,7 @@ def alone(runs: Path | None, board: str) -> Iterator[None]:
 
 
 def require_record_place(path: Path, package: Path, replace: bool) -> bool:
-    """UsageError where no record can be written, or where something stands that is not a record to be replaced.
+    """UsageError where no record can be written, or where there is something that is not a record to be replaced.
 
     True when there is one that is.
     """
@@ -130,7 +130,7 @@ class Keeper:
     """The journal and the record of one run."""
 
     def __init__(self, folder: Path, board: str, package: Path, record: Path | None, replace: bool = False) -> None:
-        """Make the journal; UsageError when that can not be done: nothing is run that leaves no trace.
+        """Make the journal; UsageError when that cannot be done: nothing is run that leaves no trace.
 
         record: where the record is to go; replace: instead of one that is there.
         """
@@ -151,7 +151,7 @@ class Keeper:
             raise self.unusable(error) from None
 
     def unusable(self, error: OSError) -> UsageError:
-        """What to say when the journal can not be begun."""
+        """What to say when the journal cannot be started."""
         what = error.strerror or error
         return UsageError(f"the journal of the run cannot be written in {self.folder}: {what}; nothing was moved")
 
@@ -159,7 +159,7 @@ class Keeper:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """A journal in which nothing was begun goes; any other stays, for whoever looks at it next."""
+        """A journal in which nothing was started is removed; any other stays, for whoever looks at it next."""
         if self.journal.begun:
             self.journal.let_go()
         else:
@@ -185,7 +185,7 @@ def _said(path: Path) -> str:
 
 
 def _read(path: Path) -> Found | None:
-    """A journal, or None when it can not be read."""
+    """A journal, or None when it cannot be read."""
     from gproof.backend.journal import read_journal
 
     try:
@@ -246,7 +246,7 @@ def settled(folder: Path, board: str, go_on: bool) -> bool:
     """Deal with journals that were left open: True when a job may run now.
 
     The record of each is made and told. A run that did not end has to be answered for: at a terminal by a person, else
-    by ``--after-interruption`` (``go_on``). UsageError when the journals can not be read.
+    by ``--after-interruption`` (``go_on``). UsageError when the journals cannot be read.
     """
     from gproof.backend.journal import left_open
 
@@ -336,7 +336,7 @@ def _made_by_the_run(
 ) -> tuple[ExecutionRecord, Path] | None:  # fmt: skip
     """The record that a run wrote itself when its journal took nothing more, and where; None when there is none.
 
-    It is one that the own key has signed, of the run that began when the journal says, and that says how it ended.
+    It is one that the own key has signed, of the run that started when the journal says, and that says how it ended.
     told: what the journal alone says.
     """
     from gproof.backend.record_data import Result

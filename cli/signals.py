@@ -30,7 +30,7 @@ def ends_with_its_command() -> bool:
 
 @contextlib.contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """What a command began to write goes, and so do its processes; only the main thread hears signals."""
+    """What a command started to write is removed, and so do its processes; only the main thread hears signals."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

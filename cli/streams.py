@@ -26,7 +26,7 @@ def standard_streams() -> bool:
         return False
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # File names may hold bytes that are no text, and messages what the terminal can not show.
+            # File names may hold bytes that are no text, and messages what the terminal cannot show.
             stream.reconfigure(errors="backslashreplace")
     return True
 

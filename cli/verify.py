@@ -62,7 +62,7 @@ def run_verify(
 def _against(
     against: Path | None, machine: Path | None, setup: str | None, dialect: str | None, running: Running
 ) -> Against | None:
-    """UsageError for a source that can not be compiled anew."""
+    """UsageError for a source that cannot be compiled again."""
     if against is None:
         if dialect is not None:
             raise UsageError("--dialect needs --against: it says how that program is read")

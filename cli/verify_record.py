@@ -24,7 +24,7 @@ HOLDS = {Verdict.SAFE: "the record is valid", Verdict.UNSAFE: "the record is not
 
 
 def is_no_package(path: Path) -> bool:
-    """True for a file that begins as JSON does: a package is a zip file. A pipe is neither, and is not waited for."""
+    """True for a file that starts as JSON does: a package is a zip file. A pipe is neither, and is not waited for."""
     try:
         if not path.is_file():
             return False

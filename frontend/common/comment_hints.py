@@ -1,4 +1,4 @@
-"""Comments in the manner of another controller: where code is not understood, which characters begin a comment here."""
+"""Comments in the manner of another controller: where code is not understood, which characters start a comment here."""
 
 from __future__ import annotations
 

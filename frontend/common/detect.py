@@ -14,7 +14,7 @@ HEAD = 65536
 
 
 def _shop_file(path: Path, frontends: Sequence[Frontend]) -> tuple[Frontend, Path] | None:
-    """A file beside the job or one folder up that only the folder of one controller has, and whose."""
+    """A file next to the job or one folder up that only the folder of one controller has, and whose."""
     for folder in (path.parent, path.parent / ".."):
         try:
             names = {name.lower(): name for name in os.listdir(folder)}
@@ -33,7 +33,7 @@ def of_extension(suffix: str, frontends: Sequence[Frontend]) -> Frontend | None:
 
 
 def guess_dialect(path: Path, frontends: Sequence[Frontend]) -> tuple[str, str]:
-    """(dialect, reason), the first of ``frontends`` where nothing says otherwise; of a file that cannot be read, by
+    """(dialect, reason), the first of ``frontends`` where no file says otherwise; of a file that cannot be read, by
     name alone."""
     try:
         with open(path, "rb") as file:

@@ -229,7 +229,7 @@ def _bulged(corners: Sequence[tuple[float, float, float]], closed: bool, error: 
             continue
         sweep = 4.0 * math.atan(bulge)
         radius = chord * (1.0 + bulge * bulge) / (4.0 * abs(bulge))
-        # From the middle of the chord to the centre, to the left of the way for a bulge below 1.
+        # From the middle of the chord to the centre, to the left of the path for a bulge below 1.
         away = chord * (1.0 - bulge * bulge) / (4.0 * bulge)
         center = ((x + u) / 2.0 - (v - y) / chord * away, (y + v) / 2.0 + (u - x) / chord * away)
         points += arc_points(center, radius, math.atan2(y - center[1], x - center[0]), sweep, error)[1:-1]

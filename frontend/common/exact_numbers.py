@@ -16,7 +16,7 @@ TINIEST = Fraction(1, 10**12)
 
 
 def exact_number(value: Any) -> Fraction | None:
-    """A TOML number as written, exactly; None for anything else, infinities and absurd exponents."""
+    """A TOML number as written, exactly; None for other values, infinities and absurd exponents."""
     if isinstance(value, bool):
         return None
     if isinstance(value, int):
@@ -30,7 +30,7 @@ _RATIO = re.compile(r"\s*([-+]?(?:\d++(?:\.\d*+)?|\.\d+))\s*(?:/\s*(\d++(?:\.\d*
 
 
 def exact_ratio(text: str) -> Fraction | None:
-    """``"320.5"`` or ``"1600/5"``, exactly; None for anything else."""
+    """``"320.5"`` or ``"1600/5"``, exactly; None for other texts."""
     found = _RATIO.fullmatch(text) if len(text) <= 80 else None
     if found is None:
         return None

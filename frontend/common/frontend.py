@@ -91,11 +91,11 @@ class Frontend:
     searched for; never: names of files that are no jobs either.
     shop_files: names of files that only a folder of this controller has; settings: what files of settings are called,
     with what they are, in words.
-    markers, alike: how a program is told from those of other dialects.
+    markers, alike: how a program is distinguished from those of other dialects.
     open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
     load_program: reads a job with all that it calls. alone: how one file is read to be printed again; definitions: name
     of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
-    lines are read; folder_machine: name of its file, which is looked for beside a program then.
+    lines are read; folder_machine: name of its file, which is looked for next to a program then.
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
     that such a file states again). machine_files: names of it; knows_machine: whether a file of another name is one,
     None: whatever nobody else knows. own_table: what gproof's machine file may state for it alone.

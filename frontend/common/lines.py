@@ -94,7 +94,7 @@ _ROOM = 4096
 
 
 def _end_of_piece(data: bytes, begin: int, end: int) -> int:
-    """Behind the last line end of the piece that starts here; ``end`` when it has none."""
+    """After the last line end of the piece that starts here; ``end`` when it has none."""
     if end - begin <= PIECE:
         return end
     return data.rfind(b"\n", begin, begin + PIECE) + 1 or end

@@ -1,4 +1,4 @@
-"""Rings to polygons, and polygons with floors to prisms that stand on one another.
+"""Rings to polygons, and polygons with floors to prisms on top of one another.
 
 Takes closed rings of points (mm) as a drawing or a list has them, in any order and sense; gives ``Prism``s. Rings that
 lie in one another are holes by turns (even-odd). A ring that crosses itself or another one is an ``OutlineError`` with
@@ -125,7 +125,7 @@ def _reason(text: str) -> str:
 
 
 def _apart(one: Polygon, other: Polygon) -> None:
-    """OutlineError unless one polygon is in the other or beside it."""
+    """OutlineError unless one polygon is inside the other or outside it."""
     if one.equals(other):
         raise OutlineError(f"an outline is drawn twice at {place(*other.exterior.coords[0])}")
     common = one.intersection(other)

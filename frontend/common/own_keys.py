@@ -144,7 +144,7 @@ def unknown_keys(
 ) -> Iterator[tuple[tuple[str, ...], str, Keys]]:
     """Keys that neither the table nor a reader knows: the path of their table as written, the key, the keys there.
 
-    taken: what readers asked for, by the path of a table (``nth`` names those of lists).
+    taken: what readers read, by the path of a table (``nth`` names those of lists).
     """
     for key, value in values.items():
         name = keys.spelt(key)

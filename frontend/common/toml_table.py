@@ -1,7 +1,7 @@
 """Reading gproof's TOML files with a finding, at its line, for everything that does not fit.
 
 ``TomlFile`` reads and parses; ``TomlTable`` takes keys out of a table one by one, so that at the end it knows
-which ones nobody asked for: each is an error (GP611). ``-`` in a key is read as ``_``. Decimal fractions keep their
+which ones were never read: each is an error (GP611). ``-`` in a key is read as ``_``. Decimal fractions keep their
 exact text (``Decimal``) until a reader rounds them.
 """
 
@@ -38,7 +38,7 @@ _KEY = re.compile(r"""\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-
 LARGEST_FILE = 4 << 20
 """Bytes of a file; numbers and tables take Python some microseconds a byte to read."""
 HINTED = 500
-"""Keys that nobody knows for which others are looked for."""
+"""Unknown keys for which others are looked for."""
 DEEPEST_KEY = 100
 """Parts of a dotted key: reading takes the square of their number."""
 _DEEP_KEY = re.compile(
@@ -48,7 +48,7 @@ _AT_LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
 class TomlFile:
-    """A file, its findings and where its keys stand. ``root`` is None when it cannot be read."""
+    """A file, its findings and where its keys are. ``root`` is None when it cannot be read."""
 
     def __init__(self, path: Path, schema: str, findings: Findings) -> None:
         self.name = str(path)
@@ -91,7 +91,7 @@ class TomlFile:
         return self._lines.get(key, 1)
 
     def finish(self) -> None:
-        """A finding for each key that nobody knows, in tables too that nobody came to read."""
+        """A finding for each unknown key, in tables too that nobody came to read."""
         for path, key, keys in unknown_keys(self._parsed or {}, KEYS[self.schema], self.taken):
             self.report_unknown(".".join((*path, key)), key, (*keys.own, *keys.tables), ())
 
@@ -383,7 +383,7 @@ class TomlTable:
         return found
 
     def finish(self) -> None:
-        """A finding for each key that nobody asked for, with the one that may be meant; at the root for the file."""
+        """A finding for each key that was never read, with the one that may be meant; at the root for the file."""
         known = self._taken.union(() if self.keys is None else (*self.keys.own, *self.keys.tables))
         for key in self.values:
             if key not in self._taken:

@@ -64,7 +64,7 @@ def read_line(text: str, file: str, line: int) -> tuple[Parsed, ...] | None:
 
 
 class _Reading:
-    """One line being read: its methods take where to begin, and give what is there and where it ends."""
+    """One line being read: its methods take where to start, and give what is there and where it ends."""
 
     __slots__ = ("file", "line", "text")
 

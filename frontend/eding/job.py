@@ -30,7 +30,7 @@ def load_job(job: Reading) -> Read:
 
 
 def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | None, Machine]:
-    """The macro file that the machine names, beside its own file or the job; GP605 when it is not there.
+    """The macro file that the machine names, next to its own file or the job; GP605 when it is not there.
 
     Without the usual one a job is judged as it is, whether the machine's file names it or not.
     """

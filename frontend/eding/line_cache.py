@@ -100,7 +100,7 @@ class Reader:
 
 @functools.lru_cache(maxsize=1)
 def _block(raw: bytes, file: str, line: int) -> Block:
-    """The block of a line that holds one; remembers the last, as its user asks for one field at a time."""
+    """The block of a line that holds one; remembers the last, as its user reads one field at a time."""
     found = read_line(decode(raw), file, line) or parse_line(raw, file, line)
     assert isinstance(found[0], Block)
     return found[0]

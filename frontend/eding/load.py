@@ -1,4 +1,4 @@
-"""An Eding job and the macro file beside it, from bytes to a Program.
+"""An Eding job and the macro file next to it, from bytes to a Program.
 
 One pass finds the lines that are not plain (``scan.index``); those go through the grammar, everything
 between becomes block tables whose words are scanned when they run, so that a job of any length costs memory
@@ -98,7 +98,7 @@ def macro_beside(path: Path, macro: Path | None = None) -> Path | None:
 
 
 def own_macros(path: Path, macro: Path | None = None) -> Path | None:
-    """``user_macro.cnc`` beside the macro file of a job, which some controllers load too; None where there is none."""
+    """``user_macro.cnc`` next to the macro file of a job, which some controllers load too; None where there is none."""
     own = (macro or path).with_name(USER_MACRO_FILE)
     return own if own.is_file() and own.resolve() != path.resolve() else None
 
@@ -106,7 +106,7 @@ def own_macros(path: Path, macro: Path | None = None) -> Path | None:
 def load_alone(path: Path, findings: Findings, name: str = "") -> Program | None:
     """One file as a program, without a macro file, to be printed again; None when it is refused.
 
-    Calls of subprograms that stand in other files are no mistakes here, nor is a file without a program.
+    Calls of subprograms that are in other files are no mistakes here, nor is a file without a program.
     name: of the file in findings, when it is not ``path``.
     """
     program = Program(dialect="eding", rules=rules_named("eding"), scan=scan, annotate=annotate)
@@ -338,7 +338,7 @@ class _Loader:
                 self.assembler.add(line)
 
     def _beyond(self, statement: Parsed) -> None:
-        """A finding for what only some controllers take, where nobody says that this one does."""
+        """A finding for what only some controllers take, where no file says that this one does."""
         what: Accepted | None = None
         name = statement.name if isinstance(statement, Structural | Call) else ""
         if isinstance(statement, Structural | Call) and name and not _PLAIN_NAME.fullmatch(name):

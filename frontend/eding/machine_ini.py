@@ -1,4 +1,4 @@
-"""The controller's own machine file, ``cnc.ini``: sections of ``key = value`` lines, and the tables beside it.
+"""The controller's own machine file, ``cnc.ini``: sections of ``key = value`` lines, and the tables next to it.
 
 Source: Eding CNC manual 4.01, 2.1 (what the settings mean), 2.3 and 2.4 (tables), 2.1.11 and 2.1.14 (keys that are
 only in the file), 3.5.6 (spindles). docs/machine-files.md lists every key and says which names the manual gives.
@@ -342,7 +342,7 @@ class _Reader:
         return slave
 
     def _pitch(self, section: str, axis: Axis, length: Fraction) -> PitchTable | None:
-        """The correction table of a motor that has it switched on (2.3); a flat one beside an axis with a table."""
+        """The correction table of a motor that has it switched on (2.3); a flat one with an axis with a table."""
         flat = None if axis.pitch is None else PitchTable(machine=(0.0,), calibrated=(0.0,))
         if not self.ini.switch(section, "pitchCompensationOn"):
             return flat

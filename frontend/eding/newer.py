@@ -50,7 +50,7 @@ def meaning(text: str, span: Span) -> tuple[Accepted, tuple[Statement, ...]] | N
 
 
 def _sets(numbers: list[int], span: Span) -> Block:
-    """Variables that hold what the controller was told from outside."""
+    """Variables that hold what the controller got from outside."""
     return Block(
         words=(),
         assigns=tuple(

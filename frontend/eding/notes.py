@@ -152,7 +152,7 @@ _NAME = re.compile(r"[-+]?([a-z]+)(?=\[)", re.IGNORECASE | re.ASCII)
 
 
 def _value_end(code: str, at: int) -> int:
-    """Behind the value that starts at ``at``; of any number of ``#`` before it, without the stack of Python."""
+    """After the value that starts at ``at``; of any number of ``#`` before it, without the stack of Python."""
     while found := _PARAMETER.match(code, at):
         at = found.end()
     name = _NAME.match(code, at)
@@ -170,7 +170,7 @@ def _value_end(code: str, at: int) -> int:
 
 
 def _bracket_end(code: str, at: int) -> int:
-    """Behind the bracket that closes the one at ``at``."""
+    """After the bracket that closes the one at ``at``."""
     depth = 0
     for i in range(at, len(code)):
         depth += (code[i] == "[") - (code[i] == "]")

@@ -1,4 +1,4 @@
-"""A raw line made ready for the grammar: decoded, its kind told, blanks and the ``;`` comment taken out.
+"""A raw line made ready for the grammar: decoded, its kind found, blanks and the ``;`` comment taken out.
 
 Blanks do not change the meaning of a line except inside comments (Eding manual 3.2), so they are removed
 with a map back to the columns; texts in quotes, and statements of chapter 4 that hold names, keep theirs.
@@ -15,7 +15,7 @@ from gproof.ir.record import record
 
 FUNCTIONS = frozenset("abs acos asin atan cos exp fix fup int ln round sin sqrt tan not".split())
 STRUCTURE = frozenset("if else endif while endwhile sub endsub gosub then".split())
-"""Words that must stand on a line of their own."""
+"""Words that must be on a line of their own."""
 
 _WITH_EXPRESSIONS = frozenset("if else endif while endwhile endsub msg warnmsg errmsg logmsg".split())
 _WITH_NAMES = frozenset(

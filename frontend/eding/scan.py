@@ -1,6 +1,6 @@
 """Plain lines of Eding: the automaton that recognises them, and what each byte is to the scanner of their words.
 
-The automaton stands on the line format of the Eding manual, 3.2: what may follow what in a line of literal
+The automaton follows the line format of the Eding manual, 3.2: what may follow what in a line of literal
 words. Each character class, each state and each step is in the tables below.
 """
 

@@ -36,7 +36,7 @@ NESTING = 100
 """Blocks within blocks that a Program holds; programs are walked by recursion."""
 
 JOB, MACROS, OWN_MACROS = range(3)
-"""What a file is: the job, the macro file, the shop's own macros beside it."""
+"""What a file is: the job, the macro file, the shop's own macros next to it."""
 
 _CLOSES = {"endif": "if", "endwhile": "while", "endsub": "sub"}
 

@@ -1,4 +1,4 @@
-"""``[height_map]`` of a setup file: a grid in the file itself, or a table of points beside it.
+"""``[height_map]`` of a setup file: a grid in the file itself, or a table of points next to it.
 
 The controller's own format is not documented (Eding CNC manual 2.2.5.5 names the file only); this one is gproof's: a
 line for each point with its machine X, Y and measured Z, in the setup's unit, in any order; ``;`` or ``#`` starts a
@@ -96,7 +96,7 @@ def _from_points(table: TomlTable, name: str, points: list[Point], unit: Fractio
     x0, y0 = min(x for x, _, _ in points), min(y for _, y, _ in points)
     sides = sorted({x - x0 for x, _, _ in points} | {y - y0 for _, y, _ in points})
     problem = "the points do not make a grid"
-    # No more points than there are stand in a row; what is closer are points beside their places.
+    # No more points than there are stand in a row; what is closer are points off their places.
     sizes = [size for size in sides if size > 0 and size * len(points) >= sides[-1]]
     for size in sizes[:CANDIDATES]:
         cells, wrong = _cells(points, x0, y0, size)

@@ -1,4 +1,4 @@
-"""The shape of a tool: keys of ``[tools.N]`` in a machine file that gouge and collision checks ask for.
+"""The shape of a tool: keys of ``[tools.N]`` in a machine file that gouge and collision checks need.
 
 A tool table of a controller gives a diameter at most; what is not stated here stays not stated. docs/machine-files.md
 lists the keys.

@@ -323,7 +323,7 @@ class Reader:
         return (Mesh(triangles=triangles, source=target.name, closed=not mesh.opening),)
 
     def _file(self, table: TomlTable, key: str) -> Path | None:
-        """The file that a key names, beside the setup file; a finding when it is not there."""
+        """The file that a key names, next to the setup file; a finding when it is not there."""
         name = table.text(key)
         if name is None:
             return None
