@@ -54,7 +54,7 @@ def _refuse_utf16(name: str, data: bytes) -> None:
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise Refusal(
             codes.NOT_TEXT.at(
-                Span(name, 1), byte=f"0x{data[0]:02X}", offset=0, hint="save it as UTF-8: it looks like UTF-16"
+                Span(name, 1), byte=f"0x{data[0]:02X}", offset=0, hint="save it as plain text: it looks like UTF-16"
             )
         )
 

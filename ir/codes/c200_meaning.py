@@ -215,9 +215,7 @@ BACK_BORE_TOP = code(
 SURFACE_SPEED_UNBOUNDED = code(
     268, "surface-speed-unbounded", _W, "{code} without D: towards the centre the spindle speed has no limit"
 )
-SURFACE_SPEED_LIMIT = code(
-    269, "surface-speed-limit", _E, "D{value:g}: the maximum spindle speed must be greater than 0"
-)
+SURFACE_SPEED_LIMIT = code(269, "surface-speed-limit", _E, "D{value:g}: the maximum spindle speed must be positive")
 OVERRIDE_FACTOR = code(270, "override-factor", _U, "override, {code}: {what}", "feeds")
 SPINDLE_RANGE = code(271, "spindle-range", _W, "S{value:g} is outside the spindle's range of {low} to {high} rpm")
 HEAD_MOVE = code(272, "head-move", _U, "the position of the head is unknown after {code}: {what}", "limits")

@@ -258,7 +258,7 @@ BAD_MACHINES: dict[str, tuple[str, str, int]] = {
     "negative acceleration": ("[axes.x]\nmax_acceleration = -5\n", "not greater than 0", 4),
     "negative backlash": ("[axes.x]\nbacklash = -1\n", "backlash", 4),
     "axis of another kind": ('[axes.x]\nkind = "round"\n', "'round'", 4),
-    "no such axis": ("[axes.q]\nmax = 1\n", "'q' is no axis", 3),
+    "no such axis": ("[axes.q]\nmax = 1\n", "'q' is not an axis", 3),
     "axes are a number": ("axes = 3\n", "not a table", 3),
     "axes are a list": ("[[axes]]\n", "not a table", 3),
     "area upside down": ("[areas.tool_change]\nx = [50, 0]\n", "is not below the upper end", 4),
@@ -318,7 +318,7 @@ INI = "[GENERAL]\nunits = mm\n[JOINT_0]\nportID = 1\nresolution = 100\npositiveL
         ("resolution = 100", "resolution = nan", "is not a number"),
         ("positiveLimit = 100", "positiveLimit = inf", "is not a number"),
         ("positiveLimit = 100", "positiveLimit = 1e999", "is not a number"),
-        ("positiveLimit = 100", "positiveLimit = -100", "lies above"),
+        ("positiveLimit = 100", "positiveLimit = -100", "is above"),
         ("units = mm", "units = furlong", "'furlong'"),
         ("portID = 1", "portID", "neither [section] nor key = value"),
         ("portID = 1", "portID = one", "is not a number"),
@@ -395,7 +395,7 @@ def test_files_given_as_each_other(folder: Path, gproof: Run) -> None:
         ("--machine", "machine", "setup.toml", "--setup"), ("--setup", "setup", "machine.toml", "--machine"),
     ):  # fmt: skip
         done = gproof("check", "job.cnc", option, name)
-        bad_file(done, role, f"hint: {other} takes this file")
+        bad_file(done, role, f"hint: give this file with {other}")
         assert "GP611" not in done.err
     bad_file(gproof("check", "job.cnc", "--machine", "job.cnc"), "machine", "hint: a machine file is", "WINCNC.INI")
     bad_file(gproof("check", "job.cnc", "--setup", "job.cnc"), "setup", "hint: a setup file is")
@@ -414,7 +414,7 @@ def test_settings_are_no_program(words: list[str], name: str, folder: Path, gpro
 
 def test_a_job_for_another_controller(folder: Path, gproof: Run) -> None:
     """Only where it has lines that cannot be read, and says itself whose it is."""
-    hint = "the program looks like a program for mcuwin: DIN section in line 2"
+    hint = "the program looks like one for mcuwin: DIN section in line 2"
     (folder / "job.src").write_text("x = ;\n{$DINSTART}\nN10 G00 X1\nN20 M30\n")
     assert hint in gproof("check", "job.src", "--dialect", "eding").out
     assert "looks like" not in gproof("check", "job.src", "--dialect", "mcuwin").out

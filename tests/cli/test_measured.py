@@ -102,7 +102,8 @@ def executed(package: Package, now: Setup | None) -> ExecutionRecord:
 def refused(package: Package, now: Setup | None) -> list[str]:
     with pytest.raises(RunRefused) as caught:
         executed(package, now)
-    return [finding.message for finding in caught.value.findings if finding.code.number != 826]
+    messages = [finding.message for finding in caught.value.findings if finding.code.number != 826]
+    return [message.removeprefix("the setup does not fit the package: ") for message in messages]
 
 
 def toml(now: Setup) -> str:

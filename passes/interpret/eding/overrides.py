@@ -59,7 +59,7 @@ def _set(run: Run, line: Line, rule: CodeRule) -> None:
     what = (
         f"P depends on {value.cause}, whose value is unknown"
         if isinstance(value, Unknown)
-        else f"the manual does not say whether P1 or P100 is 100 percent, and so what P{value:g} does"
+        else f"the manual does not say whether P1 or P100 leaves it as it is, and so what P{value:g} does"
     )
     run.findings.add(codes.OVERRIDE_FACTOR.at(line.where("P"), code=rule.text, what=what))
     if rule.function is F.FEED_OVERRIDE:

@@ -12,7 +12,7 @@ def of_value(cause: str) -> str:
     common = _COMMON.fullmatch(cause)
     if common is not None:
         number = int(common[2]) + (1000 if common[1] == "I" else 0)
-        return f"{number} state {number} = ... under [parameters] of the setup file, or assign a value before"
+        return f"state {number} = ... under [parameters] of the setup file, or assign a value before"
     if cause.endswith(".RP"):
         return f"read the target, {cause[0]}.tp: it is known where no zero offset and no mirroring is active"
     if cause.startswith("what an earlier job kept"):

@@ -208,7 +208,9 @@ def test_no_sections_are_nothing_to_run() -> None:
     stream = dataclasses.replace(made(Job())[0], sections=[])
     report = validate(stream, empty, machine(), NOTHING)
     assert report.verdict is Verdict.UNSAFE
-    assert [f.message for f in report.findings] == ["there is no section, so there is nothing to run"]
+    assert [f.message for f in report.findings] == [
+        "damaged step stream: there is no section, so there is nothing to run"
+    ]
 
 
 # --- what passes refuse to lower ----------------------------------------------------------------------------
