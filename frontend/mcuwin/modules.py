@@ -86,7 +86,7 @@ def _units(sections: Sequence[Section], taken: set[str], job: str, *, old: bool)
         if leading.says:
             doubt = "text before the first percent sign that is not a declaration"
         elif first.span.file != job:
-            doubt = "the order of modules where an included file has one before those of the job"
+            doubt = "an included file with a module before those of the job (the manual does not say which runs first)"
         if doubt:
             main.body = (Unsupported(what=doubt, span=first.span), *main.body)
     units = [main]

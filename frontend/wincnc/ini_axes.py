@@ -36,7 +36,7 @@ def _count(sheet: Sheet) -> None:
     named = sheet.one("axischar")
     for at, letter in enumerate(sheet.letters[len(sheet.axes) :], len(sheet.axes)):
         place = (0,) if named is None else (named.line, named.value_column, named.value_column + len(named.text))
-        hint = f"add axisspec= for it: a job that moves {letter} is refused"
+        hint = f"add axisspec= for it: without it a job that moves {letter} is refused"
         sheet.ini.add(codes.MISSING_KEY.as_note(), *place, key=f"axisspec= of {letter}, axis number {at},", hint=hint)
     for own in sheet.axes[len(sheet.letters) :]:
         setting = own["axisspec"][0]

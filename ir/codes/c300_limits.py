@@ -57,11 +57,11 @@ KEEP_OUT_ZONE = code(
     336,
     "keep-out-zone",
     _E,
-    "the path enters the keep-out zone {name} by {depth:.3f} mm at {where}",
+    'the path enters the keep-out zone "{name}" by {depth:.3f} mm at {where}',
     "areas",
 )
 KEEP_OUT_UNKNOWN = code(
-    337, "keep-out-unknown", _U, "whether the path enters the keep-out zone {name} depends on {cause}", "areas"
+    337, "keep-out-unknown", _U, 'whether the path enters the keep-out zone "{name}" depends on {cause}', "areas"
 )
 TOOL_CHANGE_AREA_UNKNOWN = code(
     311,

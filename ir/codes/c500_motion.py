@@ -62,15 +62,15 @@ NO_WAY = code(
 )
 # 53x, 54x: reported when the properties cutting and feeds are required (docs/cutting-sense.md)
 SPINDLE_AT_REST = code(
-    530, "spindle-at-rest", _E, "feed moves while the spindle is stopped (number: {moves})", "cutting"
+    530, "spindle-at-rest", _E, "feed moves while the spindle is stopped (moves: {moves})", "cutting"
 )
 SPINDLE_NOT_TOLD = code(
-    531, "spindle-not-told", _U, "feed moves, and it is unknown whether the spindle turns (number: {moves})", "cutting"
+    531, "spindle-not-told", _U, "feed moves, and it is unknown whether the spindle turns (moves: {moves})", "cutting"
 )
 SPINDLE_SPEED_NOT_TOLD = code(
-    532, "spindle-speed-not-told", _U, "feed moves at an unknown spindle speed (number: {moves})", "cutting"
+    532, "spindle-speed-not-told", _U, "feed moves at an unknown spindle speed (moves: {moves})", "cutting"
 )
-NO_TOOL = code(533, "no-tool", _E, "feed moves without a tool in the spindle (number: {moves})", "cutting")
+NO_TOOL = code(533, "no-tool", _E, "feed moves without a tool in the spindle (moves: {moves})", "cutting")
 TOOL_TOO_FAST = code(
     534,
     "tool-too-fast",
@@ -89,7 +89,7 @@ CUT_BEFORE_SPEED = code(
     "cutting",
 )
 TURNS_BACKWARDS = code(
-    537, "turns-backwards", _N, "feed moves with the spindle turning counter-clockwise (number: {moves})", "cutting"
+    537, "turns-backwards", _N, "feed moves with the spindle turning counter-clockwise (moves: {moves})", "cutting"
 )
 DRY_TOOL = code(538, "dry-tool", _N, "tool {tool} cuts without coolant; other tools of this job have it", "cutting")
 NOT_RETRACTED = code(

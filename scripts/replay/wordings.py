@@ -33,6 +33,8 @@ _IN_FORM = re.compile(r'"(?:[^"\\]|\\.)*"')
 _BLANKS, _BREAKS = re.compile(r"\s+"), re.compile(r"(?<=[(\[]) | (?=[)\]])")
 _DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
 _CAPITALS = re.compile(r"\b[A-Z]{2,}\b")
+_PATH = re.compile(r"(?<![\w.])(?:/[\w.#@+-]+){2,}")
+"""A file's path: a name, whatever numbers are in it."""
 _QUOTED_LINE = re.compile(r" *\d* \|")
 _AXIS = re.compile(r"(?<![\w'])[XYZABCUVW](?![\w'])")
 
@@ -201,8 +203,10 @@ class _Pairing:
                 if one != other:
                     self.sentence(one, other, code)
             return
-        rounding = _same_numbers(old, new)
+        rounding = _same_numbers(_PATH.sub(" ", old), _PATH.sub(" ", new))
         said = new.lower()
+        if not set(_PATH.findall(old)) <= set(_PATH.findall(new)):
+            raise Different
         for letter in _LETTER.findall(old):
             if letter not in _LETTER.findall(new) and not re.search(rf"(?<!\w){letter}[-\d#]", new):
                 raise Different
@@ -267,5 +271,5 @@ def _is_rounded(number: str, rounded: str) -> bool:
 
 def _kind(sentence: str) -> str:
     """A sentence without its numbers, quotations and the axis it speaks of."""
-    text = _QUOTED.sub("'...'", sentence)
+    text = _QUOTED.sub("'...'", _PATH.sub("FILE", sentence))
     return _AXIS.sub("X", _NUMBER.sub("#", text))

@@ -107,8 +107,10 @@ def test_what_is_another_wording() -> None:
         ("it goes into 'clamp'", "it hits 'vice'"),
         ("set max_feed", "change the feed"),
         ("limits are SAFE here", "limits are UNSAFE here"),
+        ("file /a/1.toml is bad", "a file is bad"),
     ):
         assert told(old, new) == (False, []), (old, new)
+    assert told("a file is bad", "file /a/1.toml is bad")[0] is True
     assert told("the axis goes", "the axis moves", "fmt")[0] is False
 
 

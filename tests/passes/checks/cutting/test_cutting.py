@@ -111,7 +111,7 @@ def test_one_finding_a_cause_with_its_number_and_the_last_place(tmp_path: Path) 
     _, found = judged(tmp_path, HEAD + "G0 Z5\n" + cuts + "G0 Z20\nM5\nM30\n")
     (one,) = [f for f in found if f["code"] == "GP530"]
     assert one["line"] == 3
-    assert str(one["message"]).endswith("feed moves while the spindle is stopped (number: 500)")
+    assert str(one["message"]).endswith("feed moves while the spindle is stopped (moves: 500)")
     assert [r["line"] for r in one["related"]] == [502]  # type: ignore[attr-defined]
 
 

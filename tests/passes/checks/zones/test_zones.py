@@ -91,7 +91,7 @@ def test_a_point_touches_a_face_and_enters_behind_it(tmp_path: Path) -> None:
         for f in run(tmp_path, f"{HEAD}G1 Z-60\nX100\nM30\n", setup=stated()).findings.kept
         if f.code.number == 336
     )
-    assert message.startswith("the path enters the keep-out zone clamp by 10.000 mm at X40.000 Y0.000 Z-60.000")
+    assert message.startswith('the path enters the keep-out zone "clamp" by 10.000 mm at X40.000 Y0.000 Z-60.000')
 
 
 def test_a_tool_with_a_diameter_needs_room_for_its_radius(tmp_path: Path) -> None:
