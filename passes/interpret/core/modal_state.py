@@ -425,9 +425,8 @@ class Modal(Keyed, ToolTable):
         for entry in self.rules.parameters:
             if near and entry.first <= whole <= entry.last:
                 return whole, entry
-        raise Refusal(
-            codes.PARAMETER_NUMBER.at(span, value=number, allowed="use a parameter of the manual's list (3.1.1)")
-        )
+        allowed = "use a parameter of the manual's list (3.1.1)"
+        raise Refusal(codes.PARAMETER_NUMBER.at(span, value=number, allowed=allowed))
 
     def read(self, number: float, span: Span) -> Value:
         """The live value of a numbered variable, in the units the manual gives it.
