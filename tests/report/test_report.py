@@ -101,14 +101,14 @@ def test_report_is_tidy(name: str, printed: Callable[[list[str]], str]) -> None:
 
 
 def check(environment: dict[str, str], *, terminal: bool, words: list[str] | None = None) -> str:
-    """Standard output of a check in a fresh process, on a pseudo-terminal or not."""
+    """Standard output of a check in a fresh process, on a pseudo-terminal or not; not errors, where progress is."""
     command = [sys.executable, "-m", "gproof.cli.main", "check", *(words or job_words("over-limit-line"))]
     inherited = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "FORCE_COLOR", "TERM")}
     settings = {"cwd": ROOT, "env": inherited | {"TERM": "xterm-256color"} | environment, "stdin": subprocess.DEVNULL}
     if not terminal:
         return subprocess.run(command, capture_output=True, text=True, check=False, **settings).stdout  # type: ignore[call-overload]
     ours, theirs = pty.openpty()
-    with subprocess.Popen(command, stdout=theirs, stderr=theirs, **settings) as running:  # type: ignore[call-overload]
+    with subprocess.Popen(command, stdout=theirs, stderr=subprocess.DEVNULL, **settings) as running:  # type: ignore[call-overload]
         os.close(theirs)
         out = b""
         while True:
