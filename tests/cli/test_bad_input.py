@@ -397,7 +397,12 @@ def test_files_given_as_each_other(folder: Path, gproof: Run) -> None:
         done = gproof("check", "job.cnc", option, name)
         bad_file(done, role, f"hint: give this file with {other}")
         assert "GP611" not in done.err
-    bad_file(gproof("check", "job.cnc", "--machine", "job.cnc"), "machine", "hint: a machine file is", "WINCNC.INI")
+    bad_file(
+        gproof("check", "job.cnc", "--machine", "job.cnc"),
+        "machine",
+        "hint: use a machine file of gproof",
+        "WINCNC.INI",
+    )
     bad_file(gproof("check", "job.cnc", "--setup", "job.cnc"), "setup", "hint: a setup file is")
 
 

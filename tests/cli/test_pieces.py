@@ -17,6 +17,7 @@ from unittest import mock
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.bundles import unpacked
 from support.campaigns import examples
 from support.goldens import ROOT
 from support.paths import Offsets, RandomPath
@@ -69,7 +70,14 @@ def write_job(path: Path, shape: str, seed: int) -> None:
 
 
 def answer(path: Path, zero: bool) -> Any:
-    words = ["check", str(path), "--machine", str(ROOT / "bench" / MACHINES[path.suffix]), "--format", "json"]
+    words = [
+        "check",
+        str(path),
+        "--machine",
+        str(unpacked("bench") / "machines" / MACHINES[path.suffix]),
+        "--format",
+        "json",
+    ]
     out = io.StringIO()
     with contextlib.redirect_stdout(out), mock.patch("gproof.driver.session.Findings", lambda: Findings(limit=10**6)):
         main([*words, *(["--setup", "zero"] if zero else [])])

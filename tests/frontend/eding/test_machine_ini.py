@@ -156,7 +156,7 @@ def test_inches(tmp_path: Path) -> None:
          ("[JOINT_3] mode = 2ND Z (A is a second Z, and the manual does not say what tool lengths do to it)",)),
         ("[JOINT_3]\nvisible=1\nmode = Tangential Knife\n",
          ("[JOINT_3] mode = TANGENTIAL KNIFE (only B and C can turn a knife)",)),
-        ("[JOINT_3]\nvisible=1\nmode = 2\n", ("[JOINT_3] mode = 2 (it is not one of the modes of 2.1.3)",)),
+        ("[JOINT_3]\nvisible=1\nmode = 2\n", ("[JOINT_3] mode = 2 (not one of the modes of 2.1.3)",)),
         ("[JOINT_5]\nvisible=1\nmode = Tangential Knife\n", ()),
         ("[JOINT_3]\nvisible=1\nmode = 4th MILL\n", ()),
         ("[JOINT_0]\n[INTERPRETER]\ndiameterProgramming=1\nis3DPrinter=1\n",
