@@ -403,7 +403,7 @@ def test_files_given_as_each_other(folder: Path, gproof: Run) -> None:
         "hint: use a machine file of gproof",
         "WINCNC.INI",
     )
-    bad_file(gproof("check", "job.cnc", "--setup", "job.cnc"), "setup", "hint: a setup file is")
+    bad_file(gproof("check", "job.cnc", "--setup", "job.cnc"), "setup", "hint: use a setup file of gproof")
 
 
 @pytest.mark.parametrize("name", ["WINCNC.INI", "cnc.ini", "McuWIN.ini", "ToolComp.INI", "machine.toml", "setup.toml"])
