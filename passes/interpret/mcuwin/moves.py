@@ -43,7 +43,7 @@ Handler = Callable[["McuWinRun", "Part", CodeRule], None]
 
 _CENTERS = {Plane.XY: "IJ", Plane.XZ: "IK", Plane.YZ: "JK"}
 """Centre words by plane (DIN 66025), in the order of ``AXES_OF_PLANE``."""
-_SECOND = "a second G60, or G60 after moves: the manual does not say whether it counts (3.20)"
+_SECOND = "a second G60, or one after moves (the manual does not say whether it counts, 3.20)"
 _G60 = "state g60 under [din] of the machine file: which one counts"
 
 
