@@ -11,7 +11,7 @@ PEERS := .venv/peers/ready
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types kernels goldens soak bench replay lock clean
+.PHONY: help demo test lint types kernels collected goldens soak bench replay lock clean
 
 help: ## List these targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1	\2/' | expand -t 17
@@ -20,7 +20,7 @@ demo: $(READY) ## Check, compile, verify and run one job of the corpus on the vi
 	bash scripts/demo.sh
 
 test: $(READY) ## Everything CI runs: lint, types, import contracts, all tests (under 8 minutes)
-	@$(MAKE) --no-print-directory -j2 --output-sync=target lint types kernels
+	@$(MAKE) --no-print-directory -j2 --output-sync=target kernels types lint collected
 	$(BIN)/pytest -n 2 --dist worksteal
 
 lint: $(READY) ## ruff (rules and format) and the import contracts between the folders
@@ -31,8 +31,10 @@ lint: $(READY) ## ruff (rules and format) and the import contracts between the f
 types: $(READY) ## mypy --strict over all packages
 	MYPYPATH=.typing $(BIN)/mypy --namespace-packages --explicit-package-bases -p gproof
 
-kernels: $(READY) # Kernels and tests compiled once, beside mypy, and not by each process of the tests that waits for one
+kernels: $(READY) # Kernels compiled once, at the same time as mypy runs, and not by each process of the tests that waits for one
 	$(BIN)/python scripts/kernels.py
+
+collected: $(READY) # Tests compiled once
 	$(BIN)/pytest --collect-only -q -q >/dev/null
 
 goldens: $(READY) ## Rewrite the expected texts of golden tests; never the `; expect:` markers

@@ -25,7 +25,7 @@ LONG = ("test_packaging.py", "test_action.py", "test_pre_commit.py", "test_walkt
 """Tests of ten seconds and more are begun first: at the end no process is left alone with one."""
 
 # What a random test of hypothesis asks for itself counts; the others make this many examples in every run.
-settings.register_profile("every run", max_examples=25)
+settings.register_profile("every run", max_examples=12)
 if not SOAK:
     settings.load_profile("every run")
 

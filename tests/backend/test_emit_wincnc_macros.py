@@ -386,7 +386,7 @@ def test_random_text(tmp_path: Path, seed: int) -> None:
 SHOPS = sorted({path.parent for path in MACRO_FILES if "docs/codes" not in str(path)})
 
 
-@pytest.mark.parametrize("shop", share(SHOPS, 3), ids=lambda path: path.name)
+@pytest.mark.parametrize("shop", share(SHOPS, 6), ids=lambda path: path.name)
 def test_a_formatted_shop_has_the_same_traces(
     tmp_path: Path, shop: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -15,19 +15,14 @@ from differential.rs274_peer import run_peer, situation_of
 from differential.traces import EXPECTED, PROGRAMS, cases, gproof_rows, peer_run, report
 
 
-@pytest.mark.usefixtures("peer")
-@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
-def test_peer_accepts(program: Path) -> None:
-    """The program lies inside the language the two share; the peer's two halves agree on it."""
-    run = peer_run(program)
-    assert run.accepted, f"{program.name}: {run.error}"
-    assert run.rows[-1]["op"] == "end"
-
-
 @pytest.mark.usefixtures("peer", "gproof")
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
 def test_gproof_agrees_with_peer(program: Path) -> None:
-    difference = first_difference(gproof_rows(program), peer_run(program).rows)
+    """The program is in the language the two share, the peer's two halves agree on it, and gproof with them."""
+    run = peer_run(program)
+    assert run.accepted, f"{program.name}: {run.error}"
+    assert run.rows[-1]["op"] == "end"
+    difference = first_difference(gproof_rows(program), run.rows)
     assert difference is None, report(program, difference)
 
 

@@ -17,7 +17,7 @@ from support.guarded import alarm, memory
 
 SECONDS, BYTES = 10, 1 << 30
 PARTS = 100
-IN_EVERY_RUN = 4
+IN_EVERY_RUN = 8
 """One in so many of the first part of each reader; the million in a soak."""
 """Every run makes the first one: a hundredth."""
 WHOLE = 25

@@ -56,7 +56,7 @@ def as_written(row: dict[str, Any]) -> dict[str, Any]:
     return row
 
 
-@pytest.mark.parametrize("shop", share(sorted({path.parent for path in PROGRAMS}), 2), ids=lambda path: path.name)
+@pytest.mark.parametrize("shop", share(sorted({path.parent for path in PROGRAMS}), 4), ids=lambda path: path.name)
 def test_text_forms_parse_back(shop: Path) -> None:
     """Machine, Program and Trace of every program: the same text, the same value."""
     machines: list[Any] = []  # all that differ: the programs of a shop share theirs

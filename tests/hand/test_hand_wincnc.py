@@ -65,7 +65,7 @@ def run(program: Path, stated: dict[str, Any]) -> tuple[list[dict[str, Any]], li
 TAPS = [path.with_suffix(".tap") for path in PROGRAMS]
 
 
-@pytest.mark.parametrize("shop", share(sorted({path.parent for path in TAPS}), 3), ids=lambda path: path.name)
+@pytest.mark.parametrize("shop", share(sorted({path.parent for path in TAPS}), 8), ids=lambda path: path.name)
 def test_text_forms_parse_back(shop: Path) -> None:
     """Machine, Program and Trace of every program: the same text, the same value."""
     machines: list[Any] = []  # all that differ: the programs of a shop share theirs

@@ -113,7 +113,7 @@ OPEN_ROWS = re.findall(r'Open\("([^"]+)"\)', Path(states.__file__).read_text("ut
 
 
 @pytest.mark.parametrize("first", CODES)
-@pytest.mark.parametrize("count", sizes(4, len(CODES) * len(PROBES)))
+@pytest.mark.parametrize("count", sizes(2, len(CODES) * len(PROBES)))
 def test_after_two_commands_every_axis_is_where_the_guide_says(first: str, count: int, shop: Path) -> None:
     programs = [f"{first}\n{second}\n{probe}" for second in CODES for probe in PROBES]
     chosen = random.Random(first).sample(programs, count)

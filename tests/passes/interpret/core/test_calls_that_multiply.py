@@ -76,7 +76,7 @@ WAYS: tuple[Callable[[int, int], Files], ...] = (
 
 @pytest.mark.parametrize(
     ("way", "levels", "width"),
-    share([(way, *size) for way in WAYS for size in [(18, 2), (6, 10), (5, 100), (3, 1000)]], 3),
+    share([(way, *size) for way in WAYS for size in [(18, 2), (6, 10), (5, 100), (3, 1000)]], 5),
 )
 def test_they_end_with_a_finding_that_names_them(
     way: Callable[[int, int], Files], levels: int, width: int, tmp_path: Path
