@@ -11,6 +11,6 @@ def letters_of(machine: Machine) -> dict[str, int]:
 
 
 def linear_axes(machine: Machine) -> tuple[bool, ...]:
-    """By column: whether the axis counts in lengths; X, Y and Z where there is no such axis."""
+    """By column: whether the axis is measured in lengths; X, Y and Z where there is no such axis."""
     kinds = {axis.index: axis.kind is AxisKind.LINEAR for axis in machine.axes}
     return tuple(kinds.get(n, n < 3) for n in range(AXES))

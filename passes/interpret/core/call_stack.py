@@ -45,9 +45,9 @@ class Kept:
 
 @record(frozen=True, slots=True)
 class Cells:
-    """An array that is being cut: a grid of cells, and the way back from the last one.
+    """An array that is being cut: a grid of cells, and the path back from the last one.
 
-    step: mm in X from column to column, in Y from row to row; start: where the first cell began; by_rows: a row is cut
+    step: mm in X from column to column, in Y from row to row; start: where the first cell starts; by_rows: a row is cut
     whole before the next one.
     """
 
@@ -111,7 +111,7 @@ class Frame:
 
     node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together after
     it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in
-    columns for the kernel, lines that it must not run and where their words stand, and where the next piece starts;
+    columns for the kernel, lines that it must not run and where their words are, and where the next piece starts;
     continued: what a line of it without a code goes on with.
     again: how often a subprogram runs once more, ``ANY`` where that is left open; more: how often it may besides;
     counter, last: of a counted loop, its variable's value and its end; is_open: how often it runs is left open.
@@ -158,9 +158,9 @@ class Frame:
 class HotLine:
     """A line of motion that is evaluated ahead of its execution.
 
-    node: its block, or None for a line of a table, which is ``table``: (table, words, begin, end, first byte of the
-    piece). motion: the code that moves it, as ``Block.continued``; added: that code is in front of its own words.
-    call: of the call that it is in (an index of ``Trace.calls``), -1 for the one that runs.
+    node: its block, or None for a line of a table, which is ``table``: (table, words, ``begin``, ``end``, first byte
+    of the piece). motion: the code that moves it, as ``Block.continued``; added: that code is in front of its own
+    words. call: of the call that it is in (an index of ``Trace.calls``), -1 for the one that runs.
     """
 
     number: int
@@ -174,15 +174,15 @@ class HotLine:
 
     @property
     def words(self) -> int:
-        """How many there are, what was added counted in."""
+        """How many there are, what was added included."""
         return len(self.letters)
 
 
 class Stretch:
     """Lines of motion that are executed together: their words in columns but for the values.
 
-    letter: (words,) u1; line: (words,) i4, counts ``lines``; numbers: (lines,) i4, where they stand in the source;
-    places: (2, lines) i4, their files and calls, None where they stand in the one that runs.
+    letter: (words,) u1; line: (words,) i4, counts ``lines``; numbers: (lines,) i4, where they are in the source;
+    places: (2, lines) i4, their files and calls, None where they are in the one that runs.
     """
 
     __slots__ = ("letter", "line", "lines", "numbers", "places")
@@ -216,7 +216,7 @@ class Pending:
         return line, letter, np.array(self.value, dtype=np.float64), numbers
 
     def places(self, file: int, call: int) -> Array | None:
-        """(2, lines) i4: files and calls of the lines; None where all stand in this one."""
+        """(2, lines) i4: files and calls of the lines; None where all are in this one."""
         if all(part.places is None for part in self.parts):
             return None
         here = np.array([[file], [call]], dtype=np.int32)
@@ -238,10 +238,10 @@ class Pending:
 @record(frozen=True, slots=True)
 class Passes:
     """run: (variables, passes to go on after at most, values, stretches) -> (passes that were followed by another one,
-    blocks in all of them, how many of these calls only count as, whether the last one is at its end: else it has not
-    begun).
+    blocks in all of them, how many of these calls only count as, whether the last one is at its end: if not, it has not
+    started).
 
-    most: blocks of a pass at most; modes: distance modes in which its lines stand (``Block.distances``); reads: numbers
+    most: blocks of a pass at most; modes: distance modes in which its lines are (``Block.distances``); reads: numbers
     of the variables. ``run`` raises one of ``FALLS_BACK`` where a variable has no number, before it does anything.
     """
 
@@ -280,7 +280,7 @@ class Lap:
     """A place that a run comes by again and again: in which state it was there, at its nth visit, of how many.
 
     saved, modal, key: of the visit that is remembered, twice as far each time (Brent's way to find a cycle);
-    section: that began in this state, -1 while there is none; until: the visit at which it is to be the same again.
+    section: that started in this state, -1 while there is none; until: the visit at which it is to be the same again.
     full: a counter of 32 bits, its value and its change in a pass.
     witness: a variable that differed when last asked. blocks, branches: of the run at the first visit; span: the loop.
     """
@@ -344,7 +344,7 @@ EXACT = 32
 
 
 APART = 8
-"""So many outcomes at most are kept apart because a loop around them asks for what differs."""
+"""At most this many outcomes are kept apart because a loop around them needs what differs."""
 
 
 Somewhere = Callable[[int, float, float, Position], Position]
@@ -354,11 +354,11 @@ Somewhere = Callable[[int, float, float, Position], Position]
 def merged(
     paths: list[Path], somewhere: Somewhere, *, exact: bool, asked: Iterable[int] = ()
 ) -> list[tuple[Path, list[Path]]]:  # fmt: skip
-    """Paths that stand at one place, as (path that goes on, paths that it stands for).
+    """Paths that are at one place, as (path that goes on, paths that it stands for).
 
     When they are not to be kept apart, those that differ in nothing but numbered variables, what the last probing
     move has left and where it has left an axis become one: what differs is unknown between the least and the greatest
-    of its values, so that all that any does, the one may do. asked: variables that a loop around them asks for; a few
+    of its values, so that all that any does, the one may do. asked: variables that a loop around them needs; a few
     outcomes that differ in these stay apart, so that one which ends the loop does not go round once more.
     """
     if exact:

@@ -13,5 +13,5 @@ def with_pair(pairs: Pairs, number: int, value: Value) -> Pairs:
 
 
 def value_of(pairs: Pairs, number: int) -> Value | None:
-    """The state of a channel; None where nobody knows it."""
+    """The state of a channel; None where it is not known."""
     return next((value for n, value in pairs if n == number), None)

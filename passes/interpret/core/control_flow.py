@@ -141,7 +141,7 @@ class ControlFlow:
     def _warn_after_end(self) -> None:
         """Warn once of code after an end that every run reaches."""
         if not self.stack or self.order.labels(self.run.program.body):
-            # Behind an end there may be what labels lead to.
+            # After an end there may be something that labels lead to.
             return
         frame = self.stack[-1]
         in_table = isinstance(frame.node, BlockTable)
@@ -309,7 +309,7 @@ class ControlFlow:
         return self._around[sub.name]
 
     def _in_settings(self) -> bool:
-        """Whether what runs was begun by a command that runs around files: no such command runs around that."""
+        """Whether what runs was started by a command that runs around files: no such command runs around that."""
         head, tail = len(self.run.program.head), len(self.run.program.tail)
         for n, frame in enumerate(self.stack):
             if n == 0 and frame.body is not self.run.program.body:

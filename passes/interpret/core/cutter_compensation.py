@@ -5,7 +5,7 @@ move is compensated when its line is read, from nothing but the tool's place and
 
 All points are (u, v) in a right-handed pair of the plane, (X, Y) or (Z, X), in mm. side: +1 the tool is left of the
 path, -1 right; sense: +1 counter-clockwise, -1 clockwise. A path is a list of ``Piece``; what the manual calls an
-error comes back as a ``Fault`` beside a path that leads on after it.
+error comes back as a ``Fault`` with a path that leads on after it.
 """
 
 from __future__ import annotations
@@ -62,9 +62,9 @@ class Compensation:
     """Compensation while it is on.
 
     side: of the path in the right-handed pair, the sign of the diameter taken in; radius: mm, not negative, None when
-    nobody stated it; shift: from the centre of the tool's nose to the controlled point, in the pair (turning, 3.1.2.1);
+    it is not stated; shift: from the centre of the tool's nose to the controlled point, in the pair (turning, 3.1.2.1);
     programmed: the point the program is at, along the pair's axes in machine coordinates, None until the first move;
-    placed: the tool touches the contour there; left: where the axes stood when the contour was left off, None when
+    placed: the tool touches the contour there; left: where the axes were when the contour was left off, None when
     that does not matter.
     """
 

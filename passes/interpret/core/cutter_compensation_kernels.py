@@ -1,6 +1,6 @@
 """Cutter radius compensation row by row: the geometry of lines and arcs, and the hot loop over programmed rows.
 
-``offset_rows`` takes rows as the program asks for them (what ``run_lines`` makes of plain lines) and gives those of the
+``offset_rows`` takes rows as the program requires them (what ``run_lines`` makes of plain lines) and gives those of the
 tool, up to a row that is not simply part of a contour: a traverse, a rotary axis, anything the manual calls an error.
 That line is the Python path's (``passes/interpret/eding/compensation_codes.py``), which uses the same geometry. Eding
 CNC manual 5.4.

@@ -1,6 +1,6 @@
 """Variables that have no part in what a program does: counters that nothing but a message reads.
 
-Two runs that stand at one place in states that differ in such variables alone do the same from there on. Loops that
+Two runs that are at one place in states that differ in such variables alone do the same from there on. Loops that
 count their passes are therefore known as loops that come again (``passes/interpret/core/loop_widening.py``), and
 outcomes that differ in a count go on as one.
 """
@@ -51,7 +51,7 @@ _KINDS = ("free", "persistent")
 
 @record(frozen=True, slots=True)
 class Idle:
-    """By their numbers. unread: what they hold nobody ever sees; told: those and what messages alone show.
+    """By their numbers. unread: what they hold nobody ever sees; ``told``: those and what messages alone show.
 
     counters: those of them that hold whole numbers of 32 bits and grow; step: by how much at most at once.
     """
@@ -63,7 +63,7 @@ class Idle:
 
 
 class _NotKnown(Exception):
-    """Which variables a program reads cannot be told from its text."""
+    """Which variables a program reads cannot be seen from its text."""
 
 
 def idle_variables(

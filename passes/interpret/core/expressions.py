@@ -174,7 +174,7 @@ def _nothing(node: Named | Input) -> Value:
 
 
 def _beside(operator: str, x: Value, y: Value, result: Value) -> Value:
-    """A coordinate and a number of its units beside it: the result has a place where the coordinate has one."""
+    """A coordinate and a number of its units as the operands: the result has a place where the coordinate has one."""
     if operator not in ("+", "-") or not isinstance(result, Unknown):
         return result
     if isinstance(x, Unknown) and x.place is not None and not isinstance(y, Unknown):
@@ -309,7 +309,7 @@ class Evaluator:
         return Unknown(cause, low, high)
 
     def _right(self, node: Binary, left: Value) -> Value:
-        """What stands on the right. Where the left side decides, a controller may pass it over: no error then."""
+        """What is on the right. Where the left side decides, a controller may pass it over: no error then."""
         if isinstance(left, Unknown) or node.operator != ("or" if left else "and"):
             return self.value(node.right)
         try:

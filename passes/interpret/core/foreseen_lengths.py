@@ -34,7 +34,7 @@ def lengths_foreseen(program: Program) -> bool:
 
 
 def _codes(program: Program, wanted: frozenset[Code]) -> Iterator[Code]:
-    """Those of some codes that stand in what the job may run, subprograms that replace codes included."""
+    """Those of some codes that are in what the job may run, subprograms that replace codes included."""
     todo = [program.head, program.body, program.tail, program.abort]
     done: set[str] = set()
     while todo:
@@ -91,7 +91,7 @@ def _of_table(program: Program, table: BlockTable, wanted: frozenset[Code]) -> I
 
 
 def _perhaps(data: bytes, begin: int, end: int, wanted: frozenset[Code]) -> frozenset[Code]:
-    """Those codes that may stand in a long text: what has their letter and their digits near one another.
+    """Those codes that can be in a long text: what has their letter and their digits near one another.
 
     Letters of few words (L, M) are looked for themselves, G by its digits: most lines have one.
     """
@@ -115,7 +115,7 @@ def _perhaps(data: bytes, begin: int, end: int, wanted: frozenset[Code]) -> froz
 
 @functools.cache
 def _pattern(codes: frozenset[Code]) -> re.Pattern[bytes]:
-    """Where some codes may stand in a text, blanks and leading zeros as they come."""
+    """Where some codes can be in a text, blanks and leading zeros as they come."""
     forms = []
     for letter, tenths in sorted(codes):
         whole, tenth = divmod(tenths, 10)

@@ -14,7 +14,7 @@ _NONE = Position(0.0)
 
 
 def head_offset(s: Modal, head: int, axis: int) -> Position:
-    """What is added to positions of an axis while that head is selected, mm; a symbol where nobody stated it."""
+    """What is added to positions of an axis while that head is selected, mm; a symbol where it was not stated."""
     if head == 0 or axis >= 3:
         return _NONE
     changed = s.head_offsets.get((head, axis))

@@ -43,7 +43,7 @@ PENDING_LINES = 1 << 14
 
 
 class _Numbers:
-    """Where lines that wait stand in the source; asked: of which of them somebody wanted to know that last."""
+    """Where lines that wait are in the source; asked: of which of them somebody wanted to know that last."""
 
     def __init__(self, lines: Any) -> None:
         self._lines = lines
@@ -88,7 +88,7 @@ class HotBlocks(FlowPart):
             return False
         key = id(node)
         if key not in self._fast:
-            # The first time is the evaluator's: it tells what is to be told once.
+            # The first time is the evaluator's: it reports what is to be reported once.
             self._fast[key] = _ONCE
             return False
         fast = self.known_block(node)
@@ -212,7 +212,7 @@ class HotBlocks(FlowPart):
         places = pending.places(self.run.file, call)
         numbers = _Numbers(lines)
         stops = self.run.dialect.stops(self.run, columns, count)
-        # Their blocks are counted: what holes of cycles count beside may use the budget up, once all of them are there.
+        # Their blocks are counted: what holes of cycles add may use the budget up, once all of them are there.
         alarm, self.run.alarm = self.run.alarm, sys.maxsize
         try:
             while at < count:
@@ -232,7 +232,7 @@ class HotBlocks(FlowPart):
         self.run.file = file
 
     def _cold_line(self, pending: Pending, at: int, number: int) -> int:
-        """One of the lines that wait in Python; returns where the words of the next one begin."""
+        """One of the lines that wait in Python; returns where the words of the next one start."""
         line = pending.nth(number)
         call = self.run.call
         self.run.call = line.call if line.call >= 0 else call

@@ -191,11 +191,11 @@ class HotPasses(FlowPart):
         elif modules:
             return None  # it has no end, which the executor tells
         if modules and sub.span.file != self.run.trace.files[self.run.file]:
-            return None  # what is told of its moves is told of the file that runs
+            return None  # what is reported of its moves is reported of the file that runs
         return body, number, cost, call_blocks(len(chain) - 1)
 
     def _is_one_file(self, body: Sequence[Statement]) -> bool:
-        """Whether lines of a pass stand in the file that runs."""
+        """Whether lines of a pass are in the file that runs."""
         name = self.run.trace.files[self.run.file]
         return all(node.span.file == name for node in body if isinstance(node, Block))
 
@@ -238,5 +238,5 @@ def _nothing() -> None:
 
 
 def _leads_back(node: Statement, jump: Jump) -> bool:
-    """Whether a statement is a jump, or asks whether to jump and does nothing else."""
+    """Whether a statement is a jump, or asks whether to jump and does nothing more."""
     return node is jump or (isinstance(node, If) and not node.otherwise and node.head is None and node.then == (jump,))

@@ -1,6 +1,6 @@
 """One line of a table of words, decoded: for every kernel that runs plain lines, whatever the controller.
 
-What a letter is stands in a table that the caller gives (``slots``), so that dialects differ by data. What a line may
+A table that the caller gives (``slots``) says what a letter is, so that dialects differ by data. What a line may
 hold is the caller's to say too: it compares the bits that ``read_line`` has seen with those that it takes.
 """
 
@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 from gproof.ir.kernel import kernel
 
 LARGEST = 1e12
-"""As in ``line``: numbers up to here can not overflow in anything that is computed from them."""
+"""As in ``line``: numbers up to here cannot overflow in anything that is computed from them."""
 
 # Slots of a line: the six axes, then these. G is a motion, DISTANCE is G90 or G91, DWELL is G4, TIME its P.
 I, J, K, R, F, G, DISTANCE, DWELL, TIME = range(6, 15)
 SLOTS = 15
 
-# Bits beside 1 << slot: a letter or a G code that no slot has, a slot twice, a number above LARGEST.
+# Bits in addition to 1 << slot: a letter or a G code that no slot has, a slot twice, a number above LARGEST.
 OTHER, REPEATED, OVER = 1 << 15, 1 << 16, 1 << 17
 
 AXIS_WORDS = (1 << I) - 1
@@ -85,7 +85,7 @@ def read_line(
     line: Any, letter: Any, value: Any, flags: Any, count: int, word: int, slots: Any, motion: int, absolute: int,
     values: Any,
 ) -> tuple[int, int, int, int, int, int]:  # fmt: skip
-    """Decode the line that begins with ``word``.
+    """Decode the line that starts with ``word``.
 
     line .. flags: ``WordColumns``, ``count`` of them; slots: (256,) by letter; motion: 1 to 4 as G0 to G3, absolute: 1
     for G90, both as they are before the line; values: gets the number of each slot that has one, else keeps its own.

@@ -80,7 +80,7 @@ def radius_center(x0: float, y0: float, x1: float, y1: float, radius: float, ccw
             return 0.0, 0.0, RADIUS_UNREACHABLE
         size = half
     height = math.sqrt(size * size - half * half)
-    # The center lies left of the chord for a short counter-clockwise arc.
+    # The center is left of the chord for a short counter-clockwise arc.
     side = 1.0 if (ccw == 1) == (radius > 0.0) else -1.0
     return x0 + dx / 2.0 - side * height * dy / chord, y0 + dy / 2.0 + side * height * dx / chord, RADIUS_OK
 
@@ -250,7 +250,7 @@ def run_lines(
                 w0, w1 = step_xy(w0, w1, floats, TURN)
                 t0, t1 = p0 + w0, p1 + w1
         if axes & 56:
-            # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
+            # Rounding is no motion: a rotary move next to it keeps its feed in degrees.
             if abs(t0 - p0) < 1e-9:
                 t0 = p0
             if abs(t1 - p1) < 1e-9:

@@ -62,7 +62,7 @@ class Leap:
 
 
 def _holds_for(operator: str, value: float, step: float, goal: float) -> float:
-    """After how many steps a comparison that holds is still true, every one before counted in."""
+    """After how many steps a comparison that holds is still true, every one before included."""
     if operator in (">", ">="):
         operator, value, step, goal = _TURNED[operator], -value, -step, -goal
     away = goal - value
@@ -77,7 +77,7 @@ def _holds_for(operator: str, value: float, step: float, goal: float) -> float:
 
 
 def leap_of(node: While | Repeat | For, rules: LanguageRules) -> Leap | None:
-    """How a loop counts; None for one that does anything else."""
+    """How a loop counts; None for one that also does other things."""
     steps: dict[int, float] = {}
     for statement in node.body:
         if isinstance(statement, Label | Mode):

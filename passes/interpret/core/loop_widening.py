@@ -1,9 +1,9 @@
 """Programs that never end, and loops that go on for longer than anybody follows.
 
-A run that comes by a place in the state in which it was there before never ends: the section that began in that state
+A run that comes by a place in the state in which it was there before never ends: the section that started in that state
 is where its edge leads. States are compared in Brent's way, so that a loop of a million passes keeps one of them;
 counters that have no part in anything (``passes/interpret/core/dead_variables.py``) may differ. A counted loop whose
-passes begin in one state, and whose end is farther than what may be followed, is left open (GP522): it may end after
+passes start in one state, and whose end is farther than what may be followed, is left open (GP522): it may end after
 any of its passes, and one more of them stands for all.
 """
 
@@ -47,7 +47,7 @@ end in seconds. A call within a call costs as much time as some fifty blocks of 
 
 
 def call_blocks(depth: int) -> int:
-    """Blocks that a call within so many others counts as, beside that of the line which calls."""
+    """Blocks that a call within so many others counts as, in addition to that of the line which calls."""
     return CALL_BLOCKS[min(depth, len(CALL_BLOCKS) - 1)]
 
 
@@ -195,7 +195,7 @@ class LoopWidening(FlowPart):
         """Whether what a counted loop does is the same in every pass, and so many more of them are too many.
 
         counter: the number of the variable that counts, -1 without one; sure: that many will be, not that many at most.
-        GP522 is told, and the state has what it needs to stand for those of all passes.
+        GP522 is reported, and the state has what it needs to stand for those of all passes.
         """
         if passes < FIRST_LOOK:
             return False
@@ -254,7 +254,7 @@ class LoopWidening(FlowPart):
         """One more pass of a loop that may go on and on."""
         count = self.pass_counts[place] = self.pass_counts.get(place, 0) + 1
         if count % FIRST_LOOK == 0 and self.run.branches > 2 * FIRST_LOOK:
-            # Outcomes of the passes are to come together: what is told of counts would keep them apart.
+            # Outcomes of the passes are to come together: what is reported of counts would keep them apart.
             now = self.run.modal.parameters
             shown = self._told() - self.flow.paths.idle.unread
             now.update(
@@ -273,7 +273,7 @@ class LoopWidening(FlowPart):
                 continue
             if low - (high - low) <= place.value <= high + (high - low):
                 continue
-            # The rows that led there are told past their limits; those to come would say the same for ever.
+            # The rows that led there are reported as past their limits; those to come would say the same for ever.
             what = f"a loop that moves {axis.word} further and further out of the machine"
             finding = codes.UNSUPPORTED_CODE.at(span, code=what)
             self.run.refused = True
@@ -283,7 +283,7 @@ class LoopWidening(FlowPart):
 
 
 def _outermost(axis: Axis) -> tuple[float | None, float | None]:
-    """As far as an axis goes, end stops counted in."""
+    """As far as an axis goes, end stops included."""
     lows = [value for value in (axis.lower, axis.travel_lower) if value is not None]
     highs = [value for value in (axis.upper, axis.travel_upper) if value is not None]
     return min(lows, default=None), max(highs, default=None)

@@ -1,4 +1,4 @@
-"""The hot loop behind a refused line: plain lines whose way rests on what is lost, to rows that go nobody knows where.
+"""The hot loop after a refused line: plain lines whose path rests on what is lost, to rows whose ends are not known.
 
 What ``refused_lines.vague`` makes of a line: its axes are at places that are not known before and after it, so that a
 row is its kind and its feed; all else is the same for all rows and the caller's. A line that holds anything else is
@@ -60,7 +60,7 @@ def run_lost(
             return word, row
         rate = floats[FEED]
         if seen & 1024:
-            # Behind an F in front axis words may be those of the feed.
+            # After an F in front axis words may be those of the feed.
             if ints[FEEDS] == 0 or not values[F] > 0.0 or letter[word] == 70:
                 return word, row
             rate = unknown if ints[F_OPEN] == 1 else values[F] * floats[UNIT]

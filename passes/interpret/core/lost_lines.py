@@ -28,7 +28,7 @@ assert (Op.TRAVERSE, Op.FEED) == (1, 2)
 
 
 def are_vague(s: Modal) -> bool:
-    """Whether axis words go nobody knows where, and a row says no more than that."""
+    """Whether axis words go to places that are not known, and a row says no more than that."""
     return (
         (g.MOTION in s.unknown_modes or not refused_lines.words_count(s))
         and s.refused_at is None

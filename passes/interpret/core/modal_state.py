@@ -114,7 +114,7 @@ class Modal(Keyed, ToolTable):
     def _begin_offsets(self) -> None:
         setup = self.setup
         in_force = self.symbol("tool.0.z")
-        # With none in force the tool is out all the same; one that nobody states is taken for the tool's own.
+        # With none in force the tool is out all the same; one that is not stated is taken for the tool's own.
         self.length_tool: int | None = 0 if in_force == ZERO else setup.tool
         self.lengths_used = any(not ends.exact or ends.low for ends in (*setup.measures.values(), *_length_now(setup)))
         self.stated: set[str] = {"spindle"} if setup.default_parameter is not None else set()
@@ -160,15 +160,15 @@ class Modal(Keyed, ToolTable):
         self.unknown_modes = frozenset[str]()
         """Modal groups that a refused line may have changed, and that no code has stated since (``refused_lines``)."""
         self.line_lost = False
-        """A refused line may have moved the axes or changed what words count in."""
+        """A refused line may have moved the axes or changed what words are measured in."""
         self.refused_at: Span | None = None
-        """That line, until a move that rests on it is told."""
+        """That line, until a move that rests on it is reported."""
         self.lost = ""
         """What nobody can follow has come: variables that nothing has set since are not known."""
         self.not_programmed: tuple[int, ...] = ()
 
     def _linear_axes(self) -> tuple[bool, ...]:
-        """By column: whether the axis counts in lengths."""
+        """By column: whether the axis is measured in lengths."""
         return LENGTHS
 
     def symbol(self, symbol: str) -> Position:
@@ -254,7 +254,7 @@ class Modal(Keyed, ToolTable):
         return self._unscaled(axis, self.programmed(axis).minus(self.offset(axis)))
 
     def _unscaled(self, axis: int, place: Position) -> Position:
-        """A place from the zero of an axis beside X and Y, as the program has it: ``G51 P``."""
+        """A place from the zero of an axis other than X and Y, as the program has it: ``G51 P``."""
         now = self.transform
         if axis in now.loose and (place.form or place.value != 0.0):
             return NOWHERE
@@ -276,7 +276,7 @@ class Modal(Keyed, ToolTable):
 
     @property
     def xz_view_open(self) -> bool:
-        """True on a lathe where nobody stated from which side its arcs are seen (manual 3.4.3 against 3.4.11.2)."""
+        """True on a lathe where it is not stated from which side its arcs are seen (manual 3.4.3 against 3.4.11.2)."""
         controller = self.machine.controller
         return self.plane is Plane.XZ and controller.turning and controller.xz_seen_from is None
 
@@ -288,7 +288,7 @@ class Modal(Keyed, ToolTable):
 
     @property
     def plain_contour(self) -> bool:
-        """True where ``run_lines`` makes of lines what the program asks for, whether or not it is compensated."""
+        """True where ``run_lines`` makes of lines what the program requires, whether or not it is compensated."""
         return (
             self._plain_ways
             and not self.feed_unknown
@@ -309,12 +309,12 @@ class Modal(Keyed, ToolTable):
 
     @property
     def modes_known(self) -> bool:
-        """True where no refused line leaves open what straight moves mean, or waits to be told with a move."""
+        """True where no refused line leaves open what straight moves mean, or waits to be reported with a move."""
         return self.refused_at is None and not self.unknown_modes & (OF_PLACES | {MOTION})
 
     @property
     def arcs_known(self) -> bool:
-        """True where no refused line leaves open what arcs mean besides, nor where they begin."""
+        """True where no refused line leaves open what arcs mean besides, nor where they start."""
         # From nowhere an arc goes nowhere: whether its ends fit nobody can say.
         return not self.unknown_modes & OF_ARCS and all(place.form != UNKNOWN for place in self.position)
 
@@ -325,7 +325,7 @@ class Modal(Keyed, ToolTable):
 
     @property
     def transform_in_doubt(self) -> bool:
-        """True where nobody knows what G68 or G51 make of X and Y, or will not as soon as they move."""
+        """True where it is not known what G68 or G51 make of X and Y, or will not be as soon as they move."""
         now = self.transform
         return now.on and (bool(now.open) or now.origin != (self.offset(0), self.offset(1)))
 
@@ -350,8 +350,8 @@ class Modal(Keyed, ToolTable):
 
     @property
     def feed_unknown(self) -> bool:
-        """True while an override that the program set changes feeds by a factor nobody knows, or what they count in was
-        lost with a refused line."""
+        """True while an override that the program set changes feeds by an unknown factor, or what they are measured in
+        was lost with a refused line."""
         return self.feed_input or math.isnan(self.feed_override) or bool(self.unknown_modes & OF_FEEDS)
 
     def has_axis(self, axis: int) -> bool:
@@ -563,7 +563,7 @@ class Modal(Keyed, ToolTable):
     # -- copies, for the outcomes of a branch
 
     def lose_all(self, what: str) -> None:
-        """Behind what nobody can follow neither the places of axes nor the values of variables are known."""
+        """After something that cannot be followed, neither the places of axes nor the values of variables are known."""
         self.position = [NOWHERE if self.has_axis(axis) else place for axis, place in enumerate(self.position)]
         self.jumped = True
         self.lost = what
@@ -573,7 +573,7 @@ class Modal(Keyed, ToolTable):
 
     @property
     def has_offset_path(self) -> bool:
-        """True while the tool is beside the programmed contour."""
+        """True while the tool is offset from the programmed contour."""
         return self.compensation is not None
 
     @property

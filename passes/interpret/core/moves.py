@@ -44,7 +44,7 @@ def go(
     if s.clamped or s.drives_were_off or s.not_programmed:
         _look_at(run, target, span)
     if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):
-        # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
+        # Rounding is no motion: a rotary move next to it keeps its feed in degrees.
         for axis in range(3):
             if abs(target[axis].value - s.position[axis].value) < 1e-9:
                 target[axis] = Position(s.position[axis].value, target[axis].form)
@@ -64,7 +64,7 @@ def go(
 
 
 def _look_at(run: Run, target: list[Position], span: Span) -> None:
-    """Before a move: GP279, GP281; what nobody knows of its end becomes NOWHERE in ``target``."""
+    """Before a move: GP279, GP281; what is not known of its end becomes NOWHERE in ``target``."""
     s = run.modal
     if s.clamped:
         way = target[CLAMPED].minus(s.position[CLAMPED])

@@ -2,7 +2,7 @@
 
 ``narrowed`` takes a condition and its truth and gives bounds of variables that hold there. Each of them contains every
 value for which the condition has that truth, whatever the other unknown values are: rounding of what is computed is
-counted in, and equality of numbers that need not be whole says no more than that they are close. Variables whose
+included, and equality of numbers that need not be whole says no more than that they are close. Variables whose
 number is computed are left alone. Source: Eding CNC manual 4.1; McuWIN 4.15, 8.3 (conditions are evaluated as written).
 """
 

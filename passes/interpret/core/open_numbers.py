@@ -1,8 +1,8 @@
-"""Words that only change times or how far the tool may be beside its path, where nobody knows their number.
+"""Words that only change times or how far the tool may be from its path, where their number is not known.
 
-The way does not rest on them: what asks where the axes go is judged as ever, and the number goes on as NaN to what it
+The path does not rest on them: what asks where the axes go is judged as ever, and the number goes on as NaN to what it
 touches (times and streams: GP503 at the row). Numbers that the controller refuses stop the job at that line; that this
-one is none of them is an assumption of the report.
+one is not one of them is an assumption of the report.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def low_of(line: Line, letter: str) -> float:
 
 
 def width_or_open(run: Run, line: Line, letter: str, code: str) -> float | None:
-    """The same of how far the tool may be beside its path: the most that it can be, infinite where nobody knows that.
+    """The same of how far the tool may be from its path: the most that it can be, infinite where that is not known.
 
     0 stands for no width at all, of which each check says what it takes it for: a range with it has no end here.
     """

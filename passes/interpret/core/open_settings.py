@@ -31,7 +31,7 @@ FUNCTIONS: dict[F, str] = {
 
 
 class OpenSettings:
-    """What a run has met. noted: settings that were told, each once; waiting: those that no line has met yet."""
+    """What a run has met. noted: settings that were reported, each once; waiting: those that no line has met yet."""
 
     def __init__(self, machine: Machine, findings: Findings) -> None:
         self.machine = machine

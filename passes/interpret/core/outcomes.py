@@ -1,4 +1,4 @@
-"""Which outcomes a finding rests on: answers that nobody knows before the job runs, and that lead to where it arose.
+"""Which outcomes a finding rests on: answers that are not known before the job runs, and that lead to where it arose.
 
 Takes the graph of sections, what was asked at its forks (``Asked``), and for each finding where it arose
 (``Findings.sections``); gives ``Rests``. A finding that every way through the program meets rests on nothing. Else it
@@ -34,7 +34,7 @@ Answer = tuple[Span, int, str, str]
 
 @record(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """What led into a section: of a condition, its truth; of anything else, what was asked in words and its answer."""
+    """What led into a section: of a condition, its truth; of any other question, its words and the answer."""
 
     span: Span
     condition: Expr | None = None
@@ -94,10 +94,10 @@ class Outcomes:
         there = self._of_line(finding.span)
         is_late = AT_END in sections
         if is_late:
-            # Told at the end of the job: all that is known is where its line has run.
+            # Reported at the end of the job: all that is known is where its line has run.
             sections = there
         elif finding.severity in (Severity.WARNING, Severity.NOTE):
-            # Often told once, whatever comes by later.
+            # Often reported once, whatever comes by later.
             sections = sections | there if there else set()
         found = graph.needed(frozenset(sections)) if sections else None
         if found is None:
@@ -221,7 +221,7 @@ def _outcome(asked: Asked, program: Program) -> Outcome:
 
 
 def _in_words(condition: Expr, truth: bool, program: Program, span: Span) -> tuple[str, str]:
-    """A condition as the program has it, or, where it is a whole line, the channel that it asks for; and its truth."""
+    """A condition as the program has it, or, where it is a whole line, the channel that it reads; and its truth."""
     if condition.span != span:
         return _source(condition.span, program) or "the condition", "is true" if truth else "is false"
     inner, holds = condition, truth

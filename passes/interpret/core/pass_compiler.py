@@ -1,8 +1,8 @@
 """Passes of a loop as one Python function: what ``hot_blocks.py`` does block by block, with nothing in between.
 
 ``compile_passes`` takes the statements of a pass and the condition of the next one, and makes a function that runs
-passes until one of them needs the evaluator: that pass it takes back, so that the executor begins it anew. Moves become
-values of ``frames.Stretch``es, in the order of the words; the executor turns them into rows.
+passes until one of them needs the evaluator: that pass it takes back, so that the executor starts it again. Moves
+become values of ``frames.Stretch``es, in the order of the words; the executor turns them into rows.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ class _PassCode(Code):
         return most
 
     def call(self, node: Call, depth: int) -> int:
-        """A subprogram, as if its statements stood here."""
+        """A subprogram, as if its statements were here."""
         found = self.source.called(node, self._inside)
         if found is None:
             raise Slow

@@ -225,13 +225,13 @@ class PathExploration(FlowPart):
         return entry.kind in ("free", "persistent") or (entry.kind != "system" and number in self.run.modal.parameters)
 
     def await_others(self, group: Group) -> None:
-        """Behind a block whose outcomes are explored: wait for the others, unless somebody was here in this state."""
+        """After a block whose outcomes are explored: wait for the others, unless somebody was here in this state."""
         self.flow.hot_blocks.run_pending()
         wide = self._without_answer(group)
         wide_key = None if wide is None else self._key_of_state(wide)
         same = group.wide.get(wide_key)
         if wide is not None and same is not None:
-            # It differs from another one in what the answer has told of variables, and in nothing else: let that go.
+            # It differs from another one only in what the answer has shown of variables: let that go.
             same.modal = wide
             self.run.close_section((Edge(wait=Wait.BRANCH, outcome="", target=same.section),))
             self.flow.stack = [*self.flow.stack, Frame((), group=group)]
@@ -301,11 +301,11 @@ class PathExploration(FlowPart):
             self.flow.waiting.append(path)
 
     def _anywhere(self, axis: int, low: float, high: float, origin: Position) -> Position:
-        """A place between two numbers beside another one."""
+        """A place between two numbers next to another one."""
         return self.run.unknown_place("value", axis, (low, high), origin)
 
     def _asked_around(self, parked: list[Path]) -> set[int]:
-        """Variables that the conditions of the loops around some outcomes ask for."""
+        """Variables that the conditions of the loops around some outcomes need."""
         found: set[int] = set()
         for frame in parked[0].stack:
             if isinstance(frame.node, While | Repeat):

@@ -37,12 +37,12 @@ class Transform:
     """What is in force of G68 and G51.
 
     rotated, scaled: whether each is on; angle: degrees, counter-clockwise; factors: of X and Y; center: mm in
-    program coordinates; origin: offsets of X and Y under which the center was given; open: why nobody knows what
-    the axes do now, "" when it is known; doubt: why nobody will as soon as X or Y move; uniform: P of ``G51 P``, NaN
-    where it is not known; tall: whether that scales Z as well, None: 3.4.13 names no axes, and nobody stated it.
+    program coordinates; origin: offsets of X and Y under which the center was given; open: why it is not known what
+    the axes do now, "" when it is known; doubt: why it will not be as soon as X or Y move; uniform: P of ``G51 P``, NaN
+    where it is not known; tall: whether that scales Z as well, None: 3.4.13 names no axes, and it is not stated.
 
-    Made of these: loose, columns of axes beside X and Y that count by ``uniform`` or as they are, which nobody knows
-    (the rotary ones among them: 3.4.13 has nothing of these either); upright: the factor of Z where it is known.
+    Made of these: loose, columns of axes other than X and Y that count by ``uniform`` or as they are, which is not
+    known (the rotary ones among them: 3.4.13 has nothing of these either); upright: the factor of Z where it is known.
     """
 
     rotated: bool = False

@@ -2,8 +2,8 @@
 
 Words that were read say by the table of ``ir/modal_groups.py`` which modal groups they may have changed; a text that
 was not understood may have been anything. What rests on such a group is not known from there on: places, feeds,
-speeds. Codes that state a group whole make it known again. The refused line is told itself; after an unknown one the
-first move that rests on it is GP304, once; after an error nothing is, as no controller comes there, unless somebody
+speeds. Codes that state a group whole make it known again. The refused line is reported itself; after an unknown one
+the first move that rests on it is GP304, once; after an error nothing is, as no controller comes there, unless somebody
 accepts the error.
 """
 
@@ -57,11 +57,10 @@ def refuse_words(
     run: Run, words: Words, columns: dict[str, int], refusal: Refusal, finding: Finding,
     aim: Callable[[], list[Position]] | None = None,
 ) -> None:  # fmt: skip
-    """Behind a refused line of these words: lost is what they may have changed.
+    """After a refused line of these words: lost is what they may have changed.
 
-    columns: of the letters that are axes; finding: what is told of the refusal, an unknown for an error that somebody
-    accepts; aim: gives where the line sends the
-    axes: an arc of which only the way is open ends there.
+    columns: of the letters that are axes; finding: what is reported of the refusal, an unknown for an error that
+    somebody accepts; aim: gives where the line sends the axes: an arc of which only the path is open ends there.
     """
     if isinstance(refusal, FollowedRefusal):
         _name_line(run, finding)
@@ -84,7 +83,7 @@ def refuse_words(
 def lose_line(
     run: Run, found: Iterable[CodeRule] | None, letters: Iterable[str], axes: Iterable[int], finding: Finding
 ) -> None:
-    """The same for codes that are known already; found: None where a word is none of the language."""
+    """The same for codes that are known already; found: None where a word does not belong to the language."""
     functions = None if found is None else [rule.function for rule in found]
     groups = None if functions is None else g.changed_by(functions)
     if groups is None or functions is None:
@@ -107,7 +106,7 @@ def lose_line(
 
 
 def _takes_axes(function: F) -> bool:
-    """Whether axis words beside a code of this function are its own, and send nothing anywhere."""
+    """Whether axis words next to a code of this function are its own, and send nothing anywhere."""
     return function in _OWN_WORDS
 
 
@@ -123,7 +122,7 @@ _OWN_WORDS = frozenset((
 
 
 def lose_everything(run: Run, finding: Finding) -> None:
-    """Behind a text that nobody understands: all that a code of the language can change.
+    """After a text that nobody understands: all that a code of the language can change.
 
     Variables stay after an error: what they would decide is a path that no controller takes, and its own errors show.
     """
@@ -143,7 +142,7 @@ def lose(run: Run, groups: Iterable[str], finding: Finding, axes: frozenset[int]
 
 
 def _name_line(run: Run, finding: Finding) -> None:
-    """The next move that rests on a lost place is told with this line; not after an error, nor where the line's own
+    """The next move that rests on a lost place is reported with this line; not after an error, nor where the line's own
     finding says that places are not known."""
     if finding.severity is not Severity.ERROR and finding.code.decides != "limits":
         run.modal.refused_at = run.modal.refused_at or finding.span
@@ -193,7 +192,7 @@ def forget(s: Modal, lost: frozenset[str], axes: frozenset[int], span: Span) -> 
 
 
 def is_stated(rule: CodeRule, has_axes: bool) -> bool:
-    """Whether a code says all that it says by itself: what it does rests on no group that words count in."""
+    """Whether a code says it all by itself: what it does rests on no group that sets what words are measured in."""
     function = rule.function
     if function not in g.STATES:
         return False
@@ -213,7 +212,7 @@ def restate(run: Run, rules: Iterable[CodeRule], has_axes: bool) -> None:
 
 
 def settle(s: Modal) -> None:
-    """Behind lines that say all of it again nothing is lost any more."""
+    """After lines that say all of it again nothing is lost any more."""
     known = not s.unknown_modes and s.refused_at is None
     known = known and all(place.form != UNKNOWN for axis, place in enumerate(s.position) if s.has_axis(axis))
     if known and s.feeds_known:
@@ -283,7 +282,7 @@ _TO_STORED = frozenset((F.RETURN_HOME, F.TRAVERSE_LIFTED, F.PARK_1, F.PARK_2))
 
 
 NAMED = 6
-"""So many modes that a line may have changed stand in a hint."""
+"""This many modes that a line may have changed are named in a hint."""
 
 
 def tell(run: Run, target: list[Position], span: Span) -> None:

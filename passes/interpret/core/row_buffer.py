@@ -88,7 +88,7 @@ class RowBuffer:
         self.arrays = TRACE_ROW.empty(self.capacity)
 
     def new_section(self) -> int:
-        """The number of a section that somebody will begin."""
+        """The number of a section that somebody will start."""
         self.sections += 1
         return self.sections
 

@@ -45,7 +45,7 @@ FIRST_BEAT, MOST_BEAT, LEAST_BEAT = 1 << 8, 1 << 14, 1 << 4
 SOON, LATE = 0.05, 0.25
 """Seconds between two signs of life: where they take less, more blocks come between them, and the other way round."""
 DEFAULT_BRANCHES = 4096
-"""Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""
+"""Outcomes that are explored, of conditions that rest on what is not known before the job runs."""
 
 
 _NOT_LISTED = ("later", "tool_zero")
@@ -111,7 +111,7 @@ class Run:
         self._warned: set[int] = set()
         self._loop_variables: set[tuple[int, Span]] = set()
         self.unknowns = 0
-        # Where cycles rise to from a place whose height beside their R is not known, by place and R.
+        # Where cycles rise to from a place whose height relative to their R is not known, by place and R.
         self.risen: dict[tuple[Position, Position], Position] = {}
         self._start_system(setup)
         self.asked: dict[int, Asked] = {}
@@ -281,7 +281,7 @@ class Run:
         return self.trace.files.index(span.file) if span.file in self.trace.files else 0
 
     def frame_number(self) -> int:
-        """The index of the frame that positions count in now."""
+        """The index of the frame that positions are measured in now."""
         return self.frames.frame(self.modal.position, self.modal.unhomed)
 
     def state_changed(self) -> None:
@@ -361,7 +361,7 @@ class Run:
         if value.cause != own:
             return value
         if whole in self.modal.setup.parameter_ranges:
-            # Less of it where a condition has told more.
+            # Less of it where a condition has shown more.
             return Unknown(name, value.low, value.high, value.whole)  # what the setup states of it
         if whole not in self._warned:
             self._warned.add(whole)
@@ -377,7 +377,7 @@ class Run:
         self.dialect.move(self, op, target, span, length=length, programmed=programmed, **more)
 
     def lose_places(self) -> None:
-        """Nobody knows any more where the axes stand that the machine has."""
+        """The places of the axes that the machine has are no longer known."""
         for axis in self.machine.axes:
             self.modal.position[axis.index] = NOWHERE
         self.modal.jumped = True

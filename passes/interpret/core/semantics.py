@@ -73,9 +73,9 @@ class Dialect(Generic[R_contra]):
 
     kernel: runs the lines of a table. hot_blocks: lines that come again may be compiled and run together. fits: (number
     of a variable, value) -> whether the variable can hold it, None where each can hold all; keeps_motion: a line
-    without a code goes on with the code before it in time, not in the text. has_own_feeds: feeds are kept beside the
+    without a code goes on with the code before it in time, not in the text. has_own_feeds: feeds are kept next to the
     one of all; stored_places: letters that send axes to places which are stored; modules: subprograms end with a code
-    of their own, and what is told of them is told of the file that runs.
+    of their own, and what is reported of them is reported of the file that runs.
     """
 
     kernel: Kernel[Any, Any] = k.run_lines
@@ -156,7 +156,7 @@ class Dialect(Generic[R_contra]):
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop, the first of which moves with ``motion``.
 
-        numbers: where the lines stand in the source, by the numbers that they have in ``columns``.
+        numbers: where the lines are in the source, by the numbers that they have in ``columns``.
         """
         return at
 
@@ -182,7 +182,7 @@ class Dialect(Generic[R_contra]):
         return run.modal.motion
 
     def takes_lost_feed(self, run: R_contra, open_feeds: bool) -> bool:
-        """Whether an F is taken by a line whose way is lost; open_feeds: what F counts in is lost too."""
+        """Whether an F is taken by a line whose path is lost; open_feeds: what F is measured in is lost too."""
         return False
 
     def take_lost_feed(self, run: R_contra, feed: float, last: float) -> None:
@@ -221,7 +221,7 @@ class Dialect(Generic[R_contra]):
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="an array"))
 
     def next_cell(self, run: R_contra, frame: Frame) -> bool:
-        """Behind a cell of an array: to the next one, True; after the last one False."""
+        """After a cell of an array: to the next one, True; after the last one False."""
         return False
 
     def back_from_file(self, run: R_contra, kept: Kept | None) -> None:

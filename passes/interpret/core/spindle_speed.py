@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def commanded_rpm(s: Modal) -> float:
-    """Revolutions a minute that the program asks for while it turns; 0 at rest, NaN not known."""
+    """Revolutions a minute that the program requires while it turns; 0 at rest, NaN not known."""
     if SPINDLE in s.unknown_modes:
         return math.nan
     if s.spindle_direction == 0:
@@ -42,7 +42,7 @@ def own_ramp(s: Modal) -> float:
     """Seconds for a start or a reversal beyond those that every SPINDLE row of that kind lasts (docs/plan.md).
 
     2.1.11: the software waits the ramp-up time of the spindle between switching on and going on; each head has its own
-    (3.5.2). A change of speed is no switching on. Call it before ``Modal.spun`` is told what turns now.
+    (3.5.2). A change of speed is no switching on. Call it before ``Modal.spun`` is set to what turns now.
     """
     direction, head = s.spun
     now = s.spindle_direction

@@ -99,8 +99,8 @@ class Keyed:
         return made
 
     def spread(self, place: Position) -> tuple[Affine, float, float] | None:
-        """Unknown offsets that a place rests on, and between what it is beside them (mm or degrees) by the bounds of
-        the unknowns that arose in the run; None where one of these has no bounds."""
+        """Unknown offsets that a place rests on, and the range of what it is without them (mm or degrees) by the
+        bounds of the unknowns that arose in the run; None where one of these has no bounds."""
         low = high = place.value
         rest = []
         for symbol, coefficient in place.form:

@@ -50,7 +50,7 @@ _OFTEN = "the number of loop passes"
 FEW_FIRST = 16
 """So many first values of a loop are followed one by one."""
 MAX_NESTED = 200
-"""Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
+"""Blocks within blocks, those of calls included; a program that nests deeper is not followed."""
 
 
 class StatementOrder(FlowPart):
@@ -144,7 +144,7 @@ class StatementOrder(FlowPart):
     # ---- loops
 
     def loops_on(self, frame: Frame, node: While | Repeat | For) -> bool:
-        """Behind a pass: whether another one follows, or both outcomes do."""
+        """After a pass: whether another one follows, or both outcomes do."""
         self.run.spend(node.span)
         if isinstance(node, For):
             goes_on = self._next_pass(frame, node)
@@ -166,7 +166,7 @@ class StatementOrder(FlowPart):
             frame.at = 0
             self.flow.widening.come_by((id(node), "loop"), node.span)
             if self.flow.widening.pass_counts[id(node), "loop"] > 1:
-                # A pass has told what there is to tell.
+                # A pass has reported what there is to report.
                 self.flow.widening.leap_over(node)
                 self.flow.hot_passes.hot_loop(frame, node)
         if isinstance(node, For):
@@ -178,7 +178,7 @@ class StatementOrder(FlowPart):
         return goes_on
 
     def again(self, frame: Frame) -> bool:
-        """Behind a cycle of a call that has several: whether another one follows, or nobody counts them any more."""
+        """After a cycle of a call that has several: whether another one follows, or nobody counts them any more."""
         node = frame.node
         assert isinstance(node, Subprogram)
         if frame.again > 0 and self.flow.widening.is_alike((id(node), "call"), node.span, -1, frame.again, sure=True):
@@ -270,7 +270,7 @@ class StatementOrder(FlowPart):
         self.run.begin_section(path.section)
 
     def _next_pass(self, frame: Frame, node: For) -> bool | None:
-        """To the next value, True; over, False; None: nobody knows."""
+        """To the next value, True; over, False; None: not known."""
         step = -1.0 if node.down else 1.0
         number = self.flow.widening.number_of(node.variable)
         first = frame.cell == 0
@@ -306,7 +306,7 @@ class StatementOrder(FlowPart):
         return Unknown(_OFTEN, low, high)
 
     def _is_counted(self, frame: Frame, node: For, number: int) -> bool:
-        """Whether the variable of a loop holds after a pass what it held in it, or what a guard has told of that."""
+        """Whether the variable of a loop holds after a pass what it held in it, or what a guard has shown of that."""
         counted, held = self._counted_value(frame, node), self.run.modal.parameters.get(number)
         if held == counted or held is None or not frame.is_open:
             return held == counted
@@ -388,7 +388,7 @@ class StatementOrder(FlowPart):
 
 
 def _targets(body: tuple[Statement, ...], by_number: Callable[[int], tuple[int, ...]]) -> set[int]:
-    """Numbers of the variables that statements may set, ``ANY`` where that is not told by the text."""
+    """Numbers of the variables that statements may set, ``ANY`` where the text does not say that."""
     found: set[int] = set()
     for node in body:
         if isinstance(node, DeferredBlock):
