@@ -301,7 +301,7 @@ class PathExploration(FlowPart):
             self.flow.waiting.append(path)
 
     def _anywhere(self, axis: int, low: float, high: float, origin: Position) -> Position:
-        """A place between two numbers next to another one."""
+        """A place whose distance from another one is between two numbers."""
         return self.run.unknown_place("value", axis, (low, high), origin)
 
     def _asked_around(self, parked: list[Path]) -> set[int]:
