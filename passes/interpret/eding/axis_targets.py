@@ -116,7 +116,7 @@ def _transformed(run: Run, x: Value | None, y: Value | None) -> tuple[Position, 
 
 
 def note_assumptions(run: Run, line: Line, rule: CodeRule) -> None:
-    """What the first moves take for granted because nothing says it."""
+    """What the first moves take as given because the job has not said it."""
     stated = run.modal.stated
     if "units" not in stated:
         run.assumed["the job starts in millimetres (G21)"] = None

@@ -87,7 +87,7 @@ def run_cycle(run: Run, line: Line, rule: CodeRule) -> None:
     s.cycle = words
     s.cycle_code = rule.tenths
     s.motion = rule.function
-    # Where nobody stated whether the spindle turns, the controller stops here or the cycle is in force from now on:
+    # Where it is not known whether the spindle turns, the controller stops here or the cycle is in force from now on:
     # lines of words alone after it are holes too, no mistakes.
     if rule.function in _SPINDLE:
         need_turning(run, line, rule)
@@ -119,7 +119,7 @@ def _sticky(line: Line, sticky: dict[str, float], letter: str) -> float | None:
 
 
 def _dwell(run: Run, line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
-    """P; NaN where it is not known: the way is the same."""
+    """P; NaN where it is not known: the path is the same."""
     if rule.function not in _DWELLS:
         return {}
     given = number_or_open(run, line, "P", rule.text)
@@ -151,7 +151,7 @@ def _back_bore(run: Run, line: Line, rule: CodeRule, sticky: dict[str, float]) -
     missing = [letter for letter, value in found.items() if value is None]
     if missing:
         raise Refusal(codes.WORD_MISSING.at(line.span, code=rule.text, needed=" and ".join(missing)))
-    # Where the tool goes in beside the hole: of a distance of 0 every reading is the same.
+    # Where the tool enters next to the hole: of a distance of 0 every reading is the same.
     if run.modal.transform.on and (found["I"] or found["J"]):
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether I and J of {rule.text} turn with G68 or G51"))
     if run.machine.controller.diameter_programming and found["I"]:
@@ -231,7 +231,7 @@ def _preliminary(run: Run, line: Line, drill: int, r: Position) -> Position:
 
 
 def _rise(run: Run, line: Line, drill: int, r: Position) -> None:
-    """Up to R where nobody knows whether it is above: to somewhere between here and the upper limit. Refusal GP304.
+    """Up to R where it is not known whether R is above: to somewhere between here and the upper limit. Refusal GP304.
 
     R is a place of the path, and the check of the limits asks that it is within them: nothing rises from a place at the
     upper limit, and what rises from one below it stays between the two. The same place and R mean the same height.

@@ -35,7 +35,7 @@ The manual (3.1.2.1) states 2 and 9 in words and the others in a picture; these 
 """
 
 
-"""Why nobody knows where the contour goes on."""
+"""Why it is not known where the contour goes on."""
 
 VIEW_HINT = 'state xz_seen_from = "+y" or "-y" under [controller] in the machine file'
 
@@ -80,7 +80,7 @@ def switch(run: Run, line: Line) -> None:
 
 
 def _table_entry(run: Run, line: Line) -> int | None:
-    """The D number, or without one the tool in the spindle; None: not known, and told."""
+    """The D number, or without one the tool in the spindle; None: not known, and reported."""
     value = line.values.get("D")
     s = run.modal
     if value is None:
@@ -129,7 +129,7 @@ def _given_diameter(run: Run, line: Line, rule: CodeRule) -> float | None:
 
 
 def _view(run: Run, where: Span) -> int | None:
-    """1 where left in the XZ plane is left as seen from positive Y, -1 from negative Y; None: not known, and told."""
+    """1 where left in the XZ plane is left as seen from positive Y, -1 from negative Y; None: not known, reported."""
     view = run.machine.controller.xz_seen_from
     if view is None:
         cause = "the viewing side for arcs and sides in the XZ plane"
@@ -139,7 +139,7 @@ def _view(run: Run, where: Span) -> int | None:
 
 
 def _nose(run: Run, where: Span, tool: int | None, diameter: float | None) -> tuple[int, int] | None:
-    """The orientation's offset in radii; None: not known, and told."""
+    """The orientation's offset in radii; None: not known, and reported."""
     s = run.modal
     held = s.tool if s.tool is not None else tool
     used = held if tool is None else tool
@@ -291,7 +291,7 @@ def circular(run: Run, line: Line, target: list[Position], center: list[float], 
 def _known(run: Run, line: Line, comp: Compensation, target: list[Position]) -> tuple[Point, Point, Point, bool] | None:
     """Tool, programmed start and end as numbers in the pair, whether the tool touches the start.
 
-    Positions may rest on unknown offsets, as long as they are the same ones. None: not known, and told.
+    Positions may rest on unknown offsets, as long as they are the same ones. None: not known, and reported.
     """
     if comp.radius is None:
         return None
@@ -317,7 +317,7 @@ def _known(run: Run, line: Line, comp: Compensation, target: list[Position]) -> 
 
 
 def _anywhere(run: Run, line: Line, op: Op, comp: Compensation, target: list[Position]) -> None:
-    """A move whose end in the plane nobody knows."""
+    """A move whose end in the plane is not known."""
     a, b = comp.axes
     goal = target[a], target[b]
     to = list(target)
@@ -371,7 +371,7 @@ def _follow(
 
 
 def _leave(modal: Modal) -> None:
-    """Remember where the axes stand: what moves them before the next line of the contour is found out."""
+    """Remember where the axes are: what moves them before the next line of the contour is found out."""
     comp = modal.compensation
     assert comp is not None
     modal.compensation = replace(comp, left=(modal.position[comp.axes[0]], modal.position[comp.axes[1]]))

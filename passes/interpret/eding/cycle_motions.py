@@ -93,7 +93,7 @@ def _peck(run: Run, line: Line, hole: Hole) -> None:
 
 
 def _open_pecks(run: Run, line: Line, hole: Hole) -> None:
-    """The same where nobody knows how long a peck is: somewhere in the hole it turns round, or nowhere."""
+    """The same where the length of a peck is not known: somewhere in the hole it turns round, or nowhere."""
     r, depth, drill = hole.r, hole.depth, hole.drill
     ends = depth.value - r.value, 0.0
     out = hole.clear
@@ -119,7 +119,7 @@ def _bore_stop(run: Run, line: Line, hole: Hole) -> None:
 def _bore_manual(run: Run, line: Line, hole: Hole) -> None:
     """G88: dwell, stop the spindle, wait for the operator, who retracts; restart it.
 
-    How far the operator retracts nobody knows: the drilling axis is nowhere until a line names its place.
+    How far the operator retracts is not known: the drilling axis is nowhere until a line names its place.
     """
     turns = run.modal.spindle_direction
     along(run, line, hole.drill, hole.depth, Op.FEED)

@@ -38,7 +38,7 @@ def _follow(emitter: Run, name: str, *, on: bool) -> None:
 
 
 def height_map_on(emitter: Run, node: Device) -> None:
-    """Compensation on: with the setup's map, else nobody knows what is added to Z."""
+    """Compensation on: with the setup's map, without one it is not known what is added to Z."""
     if not emitter.modal.height_map_known:
         raise Refusal(
             codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="switched on, but the setup file gives no height map")
@@ -52,7 +52,7 @@ def height_map_off(emitter: Run, node: Device) -> None:
 
 
 def height_map_init(emitter: Run, node: Device) -> None:
-    """A new map begins: what will be measured is not known."""
+    """A new map starts: what will be measured is not known."""
     emitter.modal.height_map_known = False
     if HEIGHT_MAP in emitter.modal.following:
         raise Refusal(codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="it is on while the map is measured again"))

@@ -1,6 +1,6 @@
 """Dialogs: what the operator answers is not known before the job runs. Eding CNC manual 4.2.
 
-Behind OK the variables hold what the setup states of them. What they hold after Cancel the manual does not say: what
+After OK the variables hold what the setup states of them. What they hold after Cancel the manual does not say: what
 they held before, or what was typed. Where that makes a difference, OK and Cancel are followed apart.
 """
 

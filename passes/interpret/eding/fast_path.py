@@ -1,6 +1,6 @@
 """Plain lines of many commands: when the kernel of straight-line code may run them, compensated or not.
 
-Eding CNC manual 3.4.11 for the path beside the contour.
+Eding CNC manual 3.4.11 for the path next to the contour.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def execute_own(run: Run, span: Span, words: list[Words]) -> None:
 def _beside(run: Run, line: Line, unsupported: CodeRule) -> None:
     """GP113 for a code that is not modelled; what else the line says counts.
 
-    Where such a code takes the axis words, nobody knows where the axes are after it.
+    Where such a code takes the axis words, it is not known where the axes are after it.
     """
     what = f"{unsupported.text} ({unsupported.open})" if unsupported.open else unsupported.text
     run.fail(codes.UNSUPPORTED_CODE.at(line.where_code(unsupported), code=what))
@@ -95,7 +95,7 @@ def _recover(
 ) -> None:
     """After an error what the line may have changed is not known.
 
-    A cycle that did not begin is in force nevertheless: the places of the lines after it are holes.
+    A cycle that did not start is in force nevertheless: the places of the lines after it are holes.
     """
     where = None if line is None or not line.find(F.ARC_CW, F.ARC_CCW) else functools.partial(aim, run, line)
     refused_lines.refuse_words(run, words, AXIS_INDEX, refusal, finding, where)
@@ -126,7 +126,7 @@ def _execute(run: Run, line: Line) -> None:
 
 
 def _rests_on_lost(run: Run, line: Line) -> bool:
-    """A line with a code that counts in what a refused line may have changed: what it would change is lost too."""
+    """A line with a code that depends on what a refused line may have changed: what it would change is lost too."""
     has_axes = bool(line.axes())
     found = [rule for rule in line.rules if refused_lines.is_lost(run, rule, has_axes, line.span)]
     if not found:
@@ -338,7 +338,7 @@ def _input(run: Run, line: Line) -> None:
     run.modal.parameters[5399] = run.modal.stated_range(5399, read)
     stays = run.setup.inputs.get(digital) if digital is not None else None
     if stays is not None and wait != _FOR_HIGH:
-        # Behind L2 the input's state and "timed out" are one number, after L1 they are not.
+        # After L2 the input's state and "timed out" are one number, after L1 they are not.
         run.modal.parameters[5399] = stays
     run.end_section(Wait.INPUT, "read" if not wait else "come or timed out", None, line.span)
 

@@ -1,7 +1,7 @@
 """Outputs and devices of the controller: M54 M55, torch height, axis clamp, drives, heaters and fans.
 
-Eding CNC manual 3.5.8 to 3.5.12 and table 3-6. What takes the axes out of the program's hands is told: a torch height
-control that may be on (GP280), drives that were off (GP281), an axis whose resolution was changed (GP282).
+Eding CNC manual 3.5.8 to 3.5.12 and table 3-6. What takes the axes out of the program's hands is reported: a torch
+height control that may be on (GP280), drives that were off (GP281), an axis whose resolution was changed (GP282).
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def _clamp(run: Run, line: Line, rule: CodeRule) -> None:
 
 
 def _drives(run: Run, line: Line, rule: CodeRule) -> None:
-    """M80, M81 (3.5.8). Without power an axis can be moved, or sink: where it is afterwards nobody knows."""
+    """M80, M81 (3.5.8). Without power an axis can be moved, or sink: where it is afterwards is not known."""
     on = rule.function is F.DRIVES_ON
     if not on:
         run.modal.drives_were_off = True

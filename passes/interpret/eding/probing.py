@@ -1,7 +1,7 @@
 """G38.2, the straight probe: the contact is anywhere on the programmed segment. Eding CNC manual 3.4.10.
 
 What the probe touched is an unknown of its own for each axis that moved, bounded by the ends of the segment where both
-rest on the same offsets; the place where the axes stand afterwards, drawn back a little, is another one.
+rest on the same offsets; the place where the axes are afterwards, drawn back a little, is another one.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ class EdingDialect(Dialect[Run]):
         return at
 
     def takes_lost_feed(self, run: Run, open_feeds: bool) -> bool:
-        """Whether an F is taken: in the unit that feeds count in, where there was one before."""
+        """Whether an F is taken: in the unit of feeds, where there was one before."""
         return run.modal.feed_unit == run.modal.unit and run.modal.feed != 0.0
 
     def take_lost_feed(self, run: Run, feed: float, last: float) -> None:

@@ -29,7 +29,7 @@ MM_PER_FOOT = 304.8
 
 
 def need_turning(run: Run, line: Line, rule: CodeRule) -> None:
-    """Refusal GP244 for a spindle that rests; GP266 where nobody stated whether it turns."""
+    """Refusal GP244 for a spindle that rests; GP266 where it is not known whether it turns."""
     s = run.modal
     if s.spindle_direction == 0 and "spindle" not in s.stated:
         raise Refusal(codes.SPINDLE_STATE_UNKNOWN.at(line.where_code(rule), code=rule.text))
@@ -138,7 +138,7 @@ def _output(run: Run, line: Line, rule: CodeRule) -> None:
         run.fail(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=f"{rule.text} before M3, M4, M5, M84 or M85"))
         return
     if "spindle" not in s.stated and rule.function in (F.DIRECTION_OUTPUT_ON, F.DIRECTION_OUTPUT_OFF):
-        return  # whether it turns at all nobody stated
+        return  # it is not known whether it turns at all
     before = s.spindle_direction
     s.spindle_direction = s.direction_output if turns else 0
     s.stated.add("spindle")

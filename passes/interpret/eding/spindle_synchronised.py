@@ -31,7 +31,7 @@ SYNCHRONISED = (F.SYNCHRONISED, F.SYNCHRONISED_RETURN)
 def run_synchronised(run: Run, line: Line, rule: CodeRule, target: list[Position]) -> None:
     """G33: out; G33.1: out and, with the spindle reversed, back. Refusal with GP121, GP244, GP275, GP266, GP510.
 
-    G68 turns the way like that of any other move; what G51 makes of the pitch is open (GP284).
+    G68 turns the path like that of any other move; what G51 makes of the pitch is open (GP284).
     """
     s = run.modal
     for axis in line.axes():
@@ -52,7 +52,7 @@ def run_synchronised(run: Run, line: Line, rule: CodeRule, target: list[Position
     if any(abs(factor) != 1.0 for factor in s.transform.factors) and (
         target[:2] != s.position[:2] or 2 in s.transform.loose or s.transform.upright != 1.0
     ):
-        # 3.4.13 scales X and Y, and 3.4.9 calls K a distance: the way is known, how fast it is gone is not.
+        # 3.4.13 scales X and Y, and 3.4.9 calls K a distance: the path is known, the speed along it is not.
         pitch = math.nan
         run.fail(codes.SYNCHRONISED_PITCH.at(line.where("K"), code=rule.text))
     # Whether the code stays active for lines of axis words alone the manual does not say: no group of table 3-3.

@@ -40,7 +40,7 @@ _BESIDE = frozenset((
 
 
 def run_transform(run: Run, line: Line, before: tuple[object, ...]) -> None:
-    """Execute the codes of this family on a line; before: what ``frame_of`` told in front of its settings."""
+    """Execute the codes of this family on a line; before: what ``frame_of`` returned before its settings."""
     for rule in line.rules:
         if rule.function in _STATES:
             run.modal.stated.add(_STATES[rule.function])

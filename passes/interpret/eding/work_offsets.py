@@ -159,7 +159,7 @@ def _note_stored(run: Run, line: Line, rule: CodeRule) -> None:
     if rule.function is F.AXIS_OFFSET_RESTORE and "stored" not in s.stated and s.setup.default_offset is None:
         if s.offset_is_stored:
             run.assumed["#5211 to #5216 hold the G92 offset that is active at the start"] = None
-        # Each axis has its own: what nobody stated is an unknown of its own, wherever the axis goes with it.
+        # Each axis has its own: what is not known is an unknown of its own, wherever the axis goes with it.
         for axis in range(AXES):
             if s.g92_stored[axis] == NOWHERE:
                 s.g92_stored[axis] = run.unknown_place(STORED, axis, ANY, ORIGIN)

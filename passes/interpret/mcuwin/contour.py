@@ -1,4 +1,4 @@
-"""Corners of a contour beside which a tool goes: which of them the usual strategies take near the contour.
+"""Corners of a contour next to which a tool moves: which of them the usual strategies take near the contour.
 
 Source: APCI-8001 G-code manual 2.7, which describes neither corners nor what inside corners need; open questions:
 docs/dialects/mcuwin.md, Tool radius correction. Lengths mm, coordinates those of the plane, right-handed.
@@ -72,7 +72,7 @@ class Element:
         return self.radius - side * self.sense * tool
 
     def along(self, point: Point, *, at_end: bool) -> float:
-        """mm from an end of the contour's element inwards, to what is beside ``point``; negative: outside of it."""
+        """mm from an end of the contour's element inwards, to what is next to ``point``; negative: outside of it."""
         at = self.end if at_end else self.start
         if self.center is None:
             dx, dy = self.direction(at_end=at_end)
@@ -120,7 +120,7 @@ def meet(one: Element, other: Element, side: int, tool: float) -> tuple[str, flo
 
 
 def _crossings(one: Element, other: Element, side: int, tool: float) -> list[Point]:
-    """Where the paths beside two elements meet, prolonged as lines and circles; one at least is a circle."""
+    """Where the paths next to two elements meet, prolonged as lines and circles; at least one is a circle."""
     if one.center is None:
         one, other = other, one
         straight, at_end = other, True
@@ -152,7 +152,7 @@ def _crossings(one: Element, other: Element, side: int, tool: float) -> list[Poi
 
 
 def judge(last: Element | None, new: Element, sides: tuple[int, ...], tool: float) -> tuple[str, Element]:
-    """(what is not known of the path beside ``new`` and of the corner before it or "", ``new`` with what it loses)."""
+    """(what is not known of the path next to ``new`` and of the corner before it or "", ``new`` with what it loses)."""
     if new.center is not None and any(new.beside(side, tool) <= _SLACK for side in sides):
         return f"the inside of an arc of radius {new.radius:g} mm with a tool of radius {tool:g} mm", new
     taken = [0.0, 0.0]

@@ -21,9 +21,9 @@ class Correction:
     """The correction that is on, or of which places are left after G40.
 
     side: 1 left, -1 right; radius: mm; name: of record, side and radius, ``2xy+1,5``, in symbols; last: the element of
-    the contour that ends where the tool is now, None: at the begin; at: where that is. own: what the symbols of the
-    last line's places have after ``name``, "" for those of all; begin: where the tool may be around the corner at the
-    start of that line; forks: outcomes followed when the line came.
+    the contour that ends where the tool is now, None: at the start; at: where that is. own: what the symbols of the
+    last line's places have after ``name``, "" for those of all; ``begin``: where the tool may be around the corner at
+    the start of that line; forks: outcomes followed when the line came.
     """
 
     side: int

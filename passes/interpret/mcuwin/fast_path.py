@@ -1,6 +1,6 @@
 """Plain lines of DIN blocks: when the kernel of straight-line code may run them, and what it leaves after.
 
-The kernel is ``line_kernels.run_lines``, whose words count in one unit under every code; what it does not know of
+The kernel is ``line_kernels.run_lines``, whose words have one unit under every code; what it does not know of
 these languages (reflection, cylinders, feeds of rotary axes, centre words that are left out) keeps lines from it.
 """
 
@@ -69,7 +69,7 @@ def is_plain(run: McuWinRun) -> bool:
 
 
 def _feed_is_plain(s: McuWinModal) -> bool:
-    """Whether a feed is known, or told already that it is not: neither does a row tell anything."""
+    """Whether a feed is known, or it is already reported that it is not: in neither case does a row report anything."""
     din = s.own
     if s.unknown_modes & OF_FEEDS and din.feed_cause != F_LOST and hot_letters(din)[ord("F")] >= 0:
         return False  # an F would have another cause
@@ -99,7 +99,7 @@ def taken(
 ) -> str:  # fmt: skip
     """What the rows from ``before`` on leave, which the words from ``at`` to ``stop`` made; what goes on after them.
 
-    start: where the axes stood; numbers: lines of the source by those that the rows have, None where these are it.
+    start: where the axes were; numbers: lines of the source by those that the rows have, None where these are it.
     """
     s, rows = run.modal, run.rows
     continued = f"G{s.motion - 1}"

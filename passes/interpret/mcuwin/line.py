@@ -1,8 +1,8 @@
 """Lines of controllers that run DIN 66025 blocks with Pascal inside (McuWIN): gathered, judged, and executed in order.
 
 A line may have several codes, each with the words after it. Modes, F, S, T and D act before the line's motion wherever
-they stand; what would make another path if it acted after it is not modelled there. G04 and M codes act before the
-motion where they stand in front of its words, else after it. What a line without a code goes on with, the frontend
+they are; what would make another path if it acted after it is not modelled there. G04 and M codes act before the
+motion where they come before its words, otherwise after it. What a line without a code goes on with, the frontend
 decides in source order (3.1). Source: APCI-8001 G-code manual, McuWIN V 2.5.3.133.
 """
 
@@ -31,7 +31,7 @@ _LATER = frozenset((
     F.FLOOD_ON, F.COOLANT_OFF, F.OUTPUT_ON, F.OUTPUT_OFF, F.OUTPUT_WORD, F.APPLICATION, F.DEVICE, F.SAVE_VARIABLE,
     F.RESTORE_VARIABLE, F.HOME,
 ))  # fmt: skip
-"""Functions of codes that act where they stand, before the motion or after it."""
+"""Functions of codes that act where they are, before the motion or after it."""
 _ENDS = (F.END, F.END_RESET)
 
 
@@ -72,7 +72,7 @@ def _execute(run: McuWinRun, line: Gathered, continued: str) -> None:
             raise Refusal(codes.UNSUPPORTED_CODE.at(part.code_span(), code=what))
     settings = line.settings
     assert settings is not None
-    # Units and modes first: the F of the line counts in what the codes in front of it have chosen.
+    # Units and modes first: the F of the line has the unit that the codes before it have chosen.
     asked = ""
     for part in line.parts:
         assert part.rule is not None

@@ -147,7 +147,7 @@ def distance_mode(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 
 def spline(run: McuWinRun, line: Part, rule: CodeRule) -> None:
-    """G150, G151: between the points of a spline nobody knows the path."""
+    """G150, G151: between the points of a spline the path is not known."""
     on = rule.function is F.SPLINE_ON
     run.modal.own = run.modal.own.but(spline=on)
     if on:

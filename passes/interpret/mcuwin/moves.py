@@ -1,6 +1,6 @@
 """Moves of controllers of DIN blocks with Pascal inside: G00 to G03 with reflection, factors, cylinders, planes.
 
-APCI-8001 G-code manual 3.1 to 3.4, 3.6 to 3.17, 3.20 to 3.22, 3.32, 3.35, 3.36. G00 counts in the axes' own units,
+APCI-8001 G-code manual 3.1 to 3.4, 3.6 to 3.17, 3.20 to 3.22, 3.32, 3.35, 3.36. G00 uses the axes' own units,
 whatever G70 says (3.1), the others in the interpolation unit. A place is zero offset + factor times word.
 """
 
@@ -87,7 +87,7 @@ def unit_of(run: McuWinRun, axis: int, *, own: bool) -> float:
 
 
 def aim(run: McuWinRun, line: Part, *, own: bool) -> list[Position]:
-    """Where the axis words send the axes, machine mm or degrees; own: words count in the axes' own units (3.1)."""
+    """Where the axis words send the axes, machine mm or degrees; own: words are in the axes' own units (3.1)."""
     s = run.modal
     words = line.axes()
     if words and s.own.mode_open:
@@ -134,7 +134,7 @@ def _placed(run: McuWinRun, line: Part, axis: int, value: Value, scale: float, o
         run.findings.add(not_known(line.where(word), word, value, of_value(value.cause)))
         return NOWHERE
     if origin == NOWHERE:
-        return NOWHERE  # as from a plain number; what it rests on was told where it came about
+        return NOWHERE  # as from a plain number; what it rests on was reported where it came about
     ends = value.low * scale, value.high * scale
     return run.unknown_place("value", axis, (min(ends), max(ends)), origin)
 
@@ -175,7 +175,7 @@ def move(run: McuWinRun, line: Part, rule: CodeRule) -> None:
         before(run, Op.TRAVERSE, line, target)
         run.move(Op.TRAVERSE, target, line.span)
     elif arc and s.own.side and s.own.corrected is None:
-        # Which circle it is counts nothing where nobody knows where the tool goes.
+        # Which circle it is does not matter where it is not known where the tool moves.
         _straight(run, line, rule, target)
     elif arc:
         _arc(run, line, rule, target)
@@ -190,7 +190,7 @@ def tell_way(run: McuWinRun, line: Part) -> bool:
 
 
 def _interpolated(run: McuWinRun, line: Part, rule: CodeRule) -> None:
-    """Refusal GP129 or GP113 for axes that are none of the interpolation (3.20)."""
+    """Refusal GP129 or GP113 for axes that are not in the interpolation (3.20)."""
     din = run.modal.own
     for letter, axis in line.columns.items():
         if letter not in line.values or (axis in din.interpolating and axis not in din.doubtful):
@@ -221,7 +221,7 @@ def _is_same(one: list[Position], other: list[Position]) -> bool:
 
 
 def _use_feed(run: McuWinRun, line: Part, rule: CodeRule, target: list[Position]) -> None:
-    """The feed of this move, of what its row counts in."""
+    """The feed of this move, in the unit of its row."""
     s = run.modal
     din = s.own
     s.feed_unit = 1.0
@@ -258,7 +258,7 @@ _FEED_HINTS = (
 
 
 def _with_rotary(run: McuWinRun, target: list[Position], turning: list[int]) -> tuple[float, str]:
-    """The feed of a row whose rotary axes turn, and why it is not known: along a cylinder (3.17) the way counts."""
+    """The feed of a row whose rotary axes turn, and why it is not known: along a cylinder (3.17) the path counts."""
     s = run.modal
     radii = dict(s.own.radii)
     ways = [target[axis].minus(s.position[axis]) for axis in range(AXES)]

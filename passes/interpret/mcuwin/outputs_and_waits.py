@@ -2,7 +2,7 @@
 
 APCI-8001 G-code manual 3.5 (G04), 3.23 (G74), chapter 4 (M codes), 5.3 to 5.6 (F, S, T, D), 11 and 12 (what programs
 read). Task 0 is application code: a code does what the machine's file states. Of one about which it states nothing,
-that which the manual says can move no axis does what the manual calls it; after any other nobody knows the places.
+that which the manual says can move no axis does what the manual calls it; after any other the places are not known.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ def tell_mirrored(run: McuWinRun) -> None:
 
 
 def _home(run: McuWinRun, line: Part) -> None:
-    """A reference run of the named axes, or of all: they stand where the machine's file says, else anywhere."""
+    """A reference run of the named axes, or of all: they are where the machine's file says, otherwise anywhere."""
     s = run.modal
     named = set(line.axes()) or {axis.index for axis in run.machine.axes}
     axes = [axis for axis in run.machine.axes if axis.index in named]
@@ -187,7 +187,7 @@ def application(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 
 def lose_all(run: McuWinRun, what: str) -> None:
-    """Behind what nobody can follow: neither the places of axes nor the values of variables are known."""
+    """After what nobody can follow: neither the places of axes nor the values of variables are known."""
     run.lose_places()
     s = run.modal
     s.parameters.update({number: Unknown(what) for number in s.parameters})
@@ -429,7 +429,7 @@ def correction_table(run: McuWinRun, line: Part) -> None:
 
 
 SETTINGS = {"F": feed, "S": speed, "T": tool, "D": correction_table}
-"""What a word beside the codes of a line does: (run, words)."""
+"""What a word next to the codes of a line does: (run, words)."""
 
 
 # ---- what programs read
@@ -438,7 +438,7 @@ SETTINGS = {"F": feed, "S": speed, "T": tool, "D": correction_table}
 def read_named(run: McuWinRun, node: Named) -> Value:
     """An axis qualifier: ``X.TP`` (target), ``X.RP`` (real place), ``X.ZEROOFFSET``; unknown where readings differ.
 
-    A name without a qualifier is one of which nobody knows the value, a finding of the frontend.
+    A name without a qualifier is one whose value is not known, a finding of the frontend.
     """
     s = run.modal
     letter, point, what = node.name.upper().partition(".")

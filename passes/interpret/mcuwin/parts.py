@@ -21,7 +21,7 @@ Words = Sequence[tuple[str, Value, Span]]
 
 
 _NAMES_AXES = (F.INTERPOLATION_AXES, F.HOME, F.APPLICATION)
-"""Functions of codes after which a letter may stand alone."""
+"""Functions of codes after which a letter may come alone."""
 
 
 @record(slots=True)
@@ -49,7 +49,7 @@ class Part(Line):
 class Gathered:
     """motion: words that move, with the code of the line or none; parts: other codes in order; settings: F, S, T, D.
 
-    moves_from, words_from: places of the first word of the motion, its code counted in or not, among the line's words;
+    moves_from, words_from: places of the first word of the motion, its code included or not, among the line's words;
     feed_at: that of F.
     """
 
@@ -142,7 +142,7 @@ def _no_second(machine: Machine, line: Gathered, part: Part) -> None:
 
 
 def _no_stolen(line: Gathered, part: Part) -> None:
-    """Refusal GP113 for the words of ``G00 G92 X0``: nothing says which of the two codes they belong to."""
+    """Refusal GP113 for the words of ``G00 G92 X0``: it is not known which of the two codes they belong to."""
     motion, rule = line.motion.rule, part.rule
     assert rule is not None
     if motion is None or not rule.uses_axes or rule.function is F.INTERPOLATION_AXES or line.motion.values:

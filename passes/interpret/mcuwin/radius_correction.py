@@ -1,4 +1,4 @@
-"""Tool radius correction of controllers of DIN blocks with Pascal inside: G40, G41, G42, and moves beside a contour.
+"""Tool radius correction of controllers of DIN blocks with Pascal inside: G40, G41, G42, and moves next to a contour.
 
 APCI-8001 G-code manual 2.7, 3.14 to 3.16, 5.5, 14 (2.5.3.89, .100). Entry, exit and corners are not described. So the
 centre of the tool is known within an envelope of the contour that holds what the usual strategies do: in the axes of
@@ -59,14 +59,14 @@ def correction(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 
 def note_no_table(run: McuWinRun) -> None:
-    """That no tool table is loaded is taken for granted where nobody states one (2.7)."""
+    """That no tool table is loaded is assumed where the setup does not give one (2.7)."""
     din = din_of(run.machine)
     if din.tools is not None and "tool_file" in din.unstated:
         run.assumed[USUAL["tool_file"]] = None
 
 
 def note_record(run: McuWinRun) -> None:
-    """The record that counts before the first T is taken for granted where nobody states it."""
+    """The record that counts before the first T is assumed where the setup does not give it."""
     if not run.modal.own.chosen and run.setup.tool is None and run.setup.default_offset is None:
         run.assumed["record 0 of the tool table is active at the start, as after power-on (5.5)"] = None
 
@@ -86,7 +86,7 @@ def tell_for_nothing(run: McuWinRun, line: Part) -> None:
 
 
 def correct(run: McuWinRun, line: Part, side: int) -> None:
-    """The tool goes beside the contour from here, as far as its record has a radius in the plane."""
+    """The tool moves next to the contour from here, as far as its record has a radius in the plane."""
     s = run.modal
     note_record(run)
     section = _SECTIONS[s.plane]
@@ -123,7 +123,7 @@ def correct(run: McuWinRun, line: Part, side: int) -> None:
 
 
 def unfollowed(run: McuWinRun, line: Part, code: str) -> None:
-    """GP256 for what happens while a correction is on: nobody knows on which side, or from where, it goes on."""
+    """GP256 for what happens while a correction is on: it is not known on which side, or from where, it goes on."""
     s = run.modal
     if s.own.side:
         s.own = s.own.but(corrected=None)
@@ -131,17 +131,17 @@ def unfollowed(run: McuWinRun, line: Part, code: str) -> None:
 
 
 def is_beside(place: Position) -> bool:
-    """Whether a place rests on where a corrected tool is beside its contour."""
+    """Whether a place rests on where a corrected tool is next to its contour."""
     return any(symbol.startswith(BESIDE) for symbol, _ in place.form)
 
 
 def contour_place(place: Position) -> Position:
-    """The place of the contour, of one beside it."""
+    """The place of the contour, of one next to it."""
     return Position(place.value, tuple(term for term in place.form if not term[0].startswith(BESIDE)))
 
 
 def follow(run: McuWinRun, target: list[Position], own: str = "") -> list[Position]:
-    """The ends of a move beside the contour: those of the plane anywhere around it. own: see ``Correction``."""
+    """The ends of a move next to the contour: those of the plane anywhere around it. own: see ``Correction``."""
     s = run.modal
     axes = _RIGHT_HANDED[s.plane]
     now = s.own.corrected
@@ -170,8 +170,8 @@ def _own_symbols(run: McuWinRun) -> str:
 def _narrow(run: McuWinRun, now: Correction, new: Element) -> Corner | None:
     """Where the tool may be around the corner of two lines; the symbols of the first one hold no more than it needs.
 
-    Round, cut or mitred, inside or outside: the way around a corner is within the triangle of where the paths beside
-    its lines end and meet. None: the corner is none of two lines.
+    Round, cut or mitred, inside or outside: the path around a corner is within the triangle of where those next to
+    its lines end and meet. None: the corner is not between two lines.
     """
     last = now.last
     if last is None or last.center is not None or new.center is not None:
@@ -211,7 +211,7 @@ def no_arc(run: McuWinRun, line: Part) -> None:
 def before(
     run: McuWinRun, op: Op, line: Part, target: list[Position], center: list[float] | None = None, turns: int = 0
 ) -> None:  # fmt: skip
-    """Rows before a move beside the contour: to the envelope at the begin, anywhere at corners nobody can bound."""
+    """Rows before a move next to the contour: to the envelope at the start, anywhere at corners nobody can bound."""
     s = run.modal
     now = s.own.corrected
     if not s.own.side or now is None:

@@ -1,4 +1,4 @@
-"""The state that controllers of DIN blocks with Pascal inside have beside the one of all (McuWIN).
+"""The state that controllers of DIN blocks with Pascal inside have in addition to the one of all (McuWIN).
 
 Sections are those of the APCI-8001 G-code manual, McuWIN V 2.5.3.133; docs/dialects/mcuwin.md says how open questions
 are read. Values are immutable; a change is a new ``McuWinState``. Columns are those of ``AXIS_NAMES``.
@@ -57,9 +57,9 @@ SAME = 1e-9
 class McuWinState:
     """Lengths mm, angles degrees.
 
-    mode_open: whether words are places or distances nobody knows (G53 in G91, 3.18). reflected: columns; factors: of X
+    mode_open: whether words are places or distances is not known (G53 in G91, 3.18). reflected: columns; factors: of X
     and Y, NaN: open (3.12, 3.13). radii: (column, mm) of G51, NaN: open. interpolating: columns of G01 to G03;
-    doubtful: those that one reading counts in besides; at_start: those where G60 is read once; programmed_axes: a G60
+    doubtful: those that one reading also includes; at_start: those where G60 is read once; programmed_axes: a G60
     has come (3.20). centers_absolute: centres are places in G90, None: not stated. plane_open: G18 or G19 without a
     tool table (2.7). spline: G151. feed: mm/min of linear moves, NaN: not known, for feed_cause; given: an F has come;
     asked: the code after which F must be given again (3.21, 3.22, 3.28); time_unit: seconds, None: not stated;
@@ -69,8 +69,8 @@ class McuWinState:
     in every reading, None: those of the machine's file; limit_readings: what each reading of a limit leaves where they
     differ, one end each; limits_open: columns whose limits are not known. saved: values that the job saved (M901,
     M903), by the variable's number. contour: a move that can be joined was the last one. stored: by axis what the last
-    G153 left in CD50 and on, and the offset it stands for. told: what is told once. mirrored: a code that reflects
-    axes since before the first move, and its place.
+    G153 left in CD50 and on, and the offset it stands for. ``told``: what is reported once. mirrored: a code that
+    reflects axes since before the first move, and its place.
     """
 
     mode_open: bool = False
@@ -165,7 +165,7 @@ def limits_of(modal: McuWinModal) -> tuple[Boundary, ...]:
 
 
 class McuWinModal(Modal):
-    """The state of a run on such a controller. own: what it keeps beside the state of all."""
+    """The state of a run on such a controller. own: what it keeps in addition to the state of all."""
 
     own: McuWinState
 
@@ -197,7 +197,7 @@ class McuWinModal(Modal):
 
     @property
     def has_offset_path(self) -> bool:
-        """True while the tool is beside the programmed contour."""
+        """True while the tool is next to the programmed contour."""
         return super().has_offset_path or self.own.side != 0
 
     def forget(self, lost: frozenset[str], cause: str) -> None:

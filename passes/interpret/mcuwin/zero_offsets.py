@@ -43,7 +43,7 @@ def end_contour(run: McuWinRun, line: Part, code: str) -> bool:
 
 
 def _changed(run: McuWinRun, line: Part, code: str, record: int) -> None:
-    """Told in the Trace; 1 after the number: the axes rest for it."""
+    """Reported in the Trace; 1 after the number: the axes rest for it."""
     broke = end_contour(run, line, code)
     run.state_changed()
     run.event(Op.OFFSET, line.span, arg=(float(record), float(broke)))
@@ -56,7 +56,7 @@ def _no_correction(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 
 def _interpolating(run: McuWinRun) -> frozenset[int]:
-    """Columns whose offsets G53 to G58 set (3.18, 3.19); of doubtful ones nobody knows the offset then."""
+    """Columns whose offsets G53 to G58 set (3.18, 3.19); of doubtful ones the offset is then not known."""
     din = run.modal.own
     if not din.programmed_axes and din_of(run.machine).interpolation_axes is None:
         run.assumed["every axis of the machine is an interpolation axis (3.20)"] = None
@@ -202,7 +202,7 @@ def limit(run: McuWinRun, line: Part, rule: CodeRule) -> None:
         side = lower if left else upper
         scale = own_unit(run.machine, axis)
         if isinstance(value, Unknown) or _in_doubt(run, axis) or axis in s.own.reflected:
-            # In which unit, and which way: a limit that nobody knows holds nothing, and the one before it no more.
+            # In which unit, and which way: an unknown limit holds nothing, and the one before it no longer holds.
             unsure.add(axis)
             side[axis] = None
             run.fail(codes.LIMIT_UNKNOWN.at(
@@ -250,7 +250,7 @@ def _origins(run: McuWinRun, axis: int) -> list[Position]:
 
 
 def _ends(run: McuWinRun, place: Position) -> tuple[float, float]:
-    """The least and the greatest number that a place can be; infinite where nobody knows it."""
+    """The least and the greatest number that a place can be; infinite where it is not known."""
     value = run.modal.plain(place, 1.0, 0)
     return (-math.inf, math.inf) if isinstance(value, Unknown) and not value.bounded else bounds(value)
 
@@ -266,7 +266,7 @@ def _open_ends(
 
 
 def _past_all(axis: Axis, place: float, *, left: bool) -> bool:
-    """Whether a limit is past the one of the machine's file and nobody stated the end stop after it."""
+    """Whether a limit is past the one of the machine's file and the end stop after it is not known."""
     soft, travel = (axis.lower, axis.travel_lower) if left else (axis.upper, axis.travel_upper)
     return travel is None and soft is not None and (place < soft if left else place > soft)
 

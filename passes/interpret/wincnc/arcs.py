@@ -51,7 +51,7 @@ def arc(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     if not moved & {3, 4, 5} and not controls.helical_arcs and moved & {2}:
         raise Refusal(codes.HELIX_NOT_SUPPORTED.at(line.span, axes="Z"))
     if "K" in line.values and (not {"I", "J"} <= line.values.keys() or line.number("K")):
-        # With I and J beside it a K of 0 says nothing; else it may be the centre of an arc in another plane.
+        # Next to I and J a K of 0 says nothing; else it may be the centre of an arc in another plane.
         _keep_words(s, line)
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("K"), code=f"K of {rule.text}, an arc in another plane,"))
     target = aim(run, line)
@@ -172,7 +172,7 @@ def _center(
         warning = radius_arc_warning(line.span, chord, radius, s.unit != 1.0)
         if warning is not None:
             run.findings.add(warning)
-        # Whether R leaves the I and J before it, those of its own centre, or none is not told.
+        # Whether R leaves the I and J before it, those of its own centre, or none is not said.
         s.own = s.own.but(center=(math.nan, math.nan))
         return [x, y]
     kept = s.own.center

@@ -88,10 +88,10 @@ def _doubt_turning(run: WinCncRun, line: Command) -> None:
 
 
 def _doubt_other(run: WinCncRun, line: Command, words: dict[int, Value]) -> None:
-    """Refusal GP276 for one of X and Y alone while G52 turns both, where nobody knows the other one of the program.
+    """Refusal GP276 for one of X and Y alone while G52 turns both, where the other one of the program is not known.
 
     It is the one that was programmed last, or what the place of the machine is when it is turned back: the same once
-    both were named after G52, or where the axes stood at the middle of the turn.
+    both were named after G52, or where the axes were at the middle of the turn.
     """
     s = run.modal
     if {0, 1} <= words.keys():
@@ -155,7 +155,7 @@ def tell_open(run: WinCncRun, span: Span, axis: int, cause: str) -> None:
 
 
 def scaled_axes(s: WinCncModal) -> list[tuple[int, float]]:
-    """Columns beside X and Y that G51 scales, and their factors, NaN where it is not known."""
+    """Columns other than X and Y that G51 scales, and their factors, NaN where it is not known."""
     return [(axis, factor) for axis, (factor, _, _) in s.own.scales if factor != 1.0]
 
 

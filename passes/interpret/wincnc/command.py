@@ -156,7 +156,7 @@ def judge_line(rules: LanguageRules, columns: dict[str, int], span: Span, words:
 
 
 def _judge_part(rules: LanguageRules, columns: dict[str, int], span: Span, words: Words) -> None:
-    """Refusal as when the line runs; for axes beside a stored place too, where a sign may say more than it does."""
+    """Refusal as when the line runs; for axes next to a stored place too, where a sign may say more than it does."""
     line = gather(rules, columns, span, words, has_laser=False)
     command = line.command
     stored = line.values.keys() & set("PHT")

@@ -35,7 +35,7 @@ def go(
 def followed(single: WinCncState, position: list[Position], target: list[Position]) -> list[Position]:
     """The target with what follows other axes step by step (L13), and without what is locked (L300).
 
-    While a cutter is compensated by an amount other than 0, nobody knows where X and Y go.
+    While a cutter is compensated by an amount other than 0, it is not known where X and Y move.
     """
     target = list(target)
     if "compensation" in single.flags:

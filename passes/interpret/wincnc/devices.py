@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def switched(name: str, on: bool, *, moves: bool = False) -> Handler:
-    """What switches a device on or off; moves: it may move axes, nobody knows where."""
+    """What switches a device on or off; moves: it may move axes, and it is not known where."""
 
     def handler(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         s = run.modal
@@ -127,7 +127,7 @@ def torch(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def _height_acts(run: WinCncRun) -> bool:
-    """Whether height control may move Z: after L36, and before the job's first L37, as nobody says how it starts."""
+    """Whether height control may move Z: after L36, and before the job's first L37, as its first state is not known."""
     flags = run.modal.own.flags
     return "height" in flags or ("height off" not in flags and run.setup.default_offset is None)
 

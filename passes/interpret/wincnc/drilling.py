@@ -148,7 +148,7 @@ def _pecks(
 ) -> None:  # fmt: skip
     """G83: back to R after each peck but the last, then rapid to just above where it was.
 
-    With g81set=L the way back ends so far above R: the top of the hole, from which it counts, is nowhere above R.
+    With g81set=L the return ends so far above R: the top of the hole, from which it counts, is nowhere above R.
     open_: Q is not known, or whether G51 makes other pecks of it is not said: they end anywhere on the way.
     """
     settings = wincnc_settings(run.machine).drill

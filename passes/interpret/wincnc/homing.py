@@ -146,7 +146,7 @@ def wrap_rotary(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def store_home(run: WinCncRun, line: Command, rule: CodeRule) -> None:
-    """L3: remembers where axes stand."""
+    """L3: remembers where axes are."""
     s = run.modal
     homes = list(s.own.homes)
     for axis in line.axes() or all_axes(run):

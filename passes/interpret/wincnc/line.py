@@ -101,7 +101,7 @@ def _run_alone(run: WinCncRun, span: Span, words: Words, texts: Texts, comment: 
 
 
 def _open_name(words: Words) -> str:
-    """The name of letters and digits with which a line starts that is none of its words alone; "" where there is none.
+    """The name of letters and digits that starts a line and is not one of its words alone; "" where there is none.
 
     A word of two letters or more (``PARK``, ``TOOL3``), or a letter that starts no line (``Q5``).
     """
@@ -158,7 +158,7 @@ def _execute(run: WinCncRun, line: Command) -> None:
 
 
 def _rests_on_lost(run: WinCncRun, line: Command, command: CodeRule) -> bool:
-    """Whether a command rests on what a refused line may have changed: it then goes, or sets, nobody knows what."""
+    """Whether a command rests on what a refused line may have changed: what it moves or sets is not known."""
     if command.function not in MOVES:
         return refused_lines.is_lost(run, command, bool(line.axes()), line.span)
     if "F" in line.values:
@@ -167,7 +167,7 @@ def _rests_on_lost(run: WinCncRun, line: Command, command: CodeRule) -> bool:
 
 
 def _judge_companions(run: WinCncRun, line: Command) -> None:
-    """Refusal GP113 for two distance modes in a line, and for M28 or M29 beside what is no plain G0 or G1."""
+    """Refusal GP113 for two distance modes in a line, and for M28 or M29 next to what is not a plain G0 or G1."""
     modes = [rule for rule in line.companions if rule.function in (F.ABSOLUTE, F.INCREMENTAL, *MEANT_BOTH)]
     if len(modes) > 1:
         what = f"{modes[0].text} and {modes[1].text} in one line"

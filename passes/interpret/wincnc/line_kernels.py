@@ -1,6 +1,6 @@
 """The hot loop for controllers of one command a line: successive plain lines of G0 to G3 in words, to trace rows.
 
-``run_moves`` executes lines until one holds anything else, or something that needs a message, and hands that line back
+``run_moves`` executes lines until one holds anything other, or something that needs a message, and hands that line back
 before it has changed anything: the Python path (``moves.py``, whose rules these are and which uses the same
 functions) then does it, errors included, and calls ``run_moves`` again.
 Source: WinCNC Users Guide, G Codes: G0 to G3; Command Reference: Feedrates, Axis Specification.
@@ -45,14 +45,14 @@ UNIT, SCALE, POSITION, OFFSET, FEEDS, FEED, KEPT_I, KEPT_J, SMALLEST, NEXT = 0, 
 TOLERANCE, ARC_FEED, USUAL, LOCAL = 35, 36, 37, 38
 
 ROUNDING = 1e-9
-"""mm: beside a rotary axis a shorter move of X, Y or Z is none."""
+"""mm: next to a rotary axis a shorter move of X, Y or Z is not a move."""
 
 
 class CellPlaces(NamedTuple):
-    """Cells of an array. places: (cells, 2) X and Y at which the next one begins, in mm: behind each cell a traverse
-    goes there, which has line ``line``, unless the axes are there. zero_line: of the G92 that each cell begins with, 0
+    """Cells of an array. places: (cells, 2) X and Y at which the next one starts, in mm: after each cell a traverse
+    moves there, which has line ``line``, unless the axes are there. zero_line: of the G92 that each cell starts with, 0
     for none; zeros: (6,) what it calls the place of each axis, mm or degrees, NaN for those that it does not name;
-    work, beside: (6,) offsets of the workspace, and of tool and head; zero_op: of its row."""
+    work, ``beside``: (6,) offsets of the workspace, and of tool and head; zero_op: of its row."""
 
     places: Any
     line: int
@@ -106,7 +106,7 @@ def run_moves(
         end, seen, motion, mode, _, every = read_line(
             line, letter, value, flags, count, word, slots, ints[MOTION], ints[ABSOLUTE], values
         )
-        # K of 0 says nothing beside I and J.
+        # K of 0 says nothing next to I and J.
         if seen & ~taken or (seen & 256 and values[K] != 0.0):
             return word, row
         absolute = mode == 1
@@ -317,7 +317,7 @@ def run_cells(
     """Cells of an array, each of them all ``count`` words; returns (cells, next row).
 
     kept: room for a copy of the state. A cell that ``run_moves`` does not run to its end, and that for which there is
-    no room, is not begun. The rest: ``run_moves``.
+    no room, is not started. The rest: ``run_moves``.
     """
     ints, floats = lines.ints, lines.floats
     kept_ints, kept_floats = kept.ints, kept.floats

@@ -185,7 +185,7 @@ def feed_word(run: WinCncRun, line: Command, columns: set[int] | None = None) ->
 
 
 def feed_columns(controls: WinCncSettings, columns: set[int]) -> set[int]:
-    """The columns to which an F beside axis words of these columns gives a feed."""
+    """The columns to which an F next to axis words of these columns gives a feed."""
     named = {AXIS_NAMES[column] for column in columns}
     if not named:
         named = set(controls.command_group) or {"x", "y"}
@@ -199,7 +199,7 @@ def feed_columns(controls: WinCncSettings, columns: set[int]) -> set[int]:
 
 
 def use_feed(run: WinCncRun, line: Command, target: list[Position], moving: set[int] | None = None) -> None:
-    """The feed of the groups that this move moves, where they agree; unknown else."""
+    """The feed of the groups that this move moves, where they agree; otherwise unknown."""
     s = run.modal
     if moving is None:
         moving = {axis for axis in range(AXES) if target[axis] != s.position[axis]}
@@ -341,7 +341,7 @@ def _stated_contact(run: WinCncRun, axis: int, start: Position, ends: tuple[floa
 def stored_place(run: WinCncRun, line: Command, op: Op, *, machine: bool = False) -> bool:
     """Go to a stored position (P), home position (H) or tool position (T); whether the line says so.
 
-    Beside G53 axes choose what of it counts, and a number is a distance from there (``G53 T3 X Y-2``).
+    With G53 axes choose what of it counts, and a number is a distance from there (``G53 T3 X Y-2``).
     """
     names = [letter for letter in "PHT" if letter in line.values]
     if not names:

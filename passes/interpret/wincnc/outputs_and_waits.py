@@ -287,7 +287,7 @@ def recall(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def feed_override(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """L40 P: percent of the programmed feed; GP200 outside of what override= allows (1 to 200: Feed Rate Override).
 
-    Where override= E0 switches overrides off, or nobody knows P, feeds are not known any more (GP270).
+    Where override= E0 switches overrides off, or P is not known, feeds are not known any more (GP270).
     """
     s = run.modal
     controls = wincnc_settings(run.machine)
@@ -321,7 +321,7 @@ def feed_override(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def smoothing(run: WinCncRun, line: Command, rule: CodeRule) -> None:
-    """G9: how much the controller rounds corners from here on; how far that is beside the path, no manual says."""
+    """G9: how much the controller rounds corners from here on; how far that is from the path, no manual says."""
     factor = line.values.get("S", 0.0)
     if isinstance(factor, Unknown) or factor:
         run.assumed["corners that the controller rounds (G9) do not reach a zone or a body"] = None

@@ -105,7 +105,7 @@ def _need_own_axes(run: WinCncRun, node: Array) -> None:
 
 
 def next_cell(run: WinCncRun, cells_of: PlainCells, frame: Frame) -> bool:
-    """Behind a cell: to the next one, True; after the last one back to the first, False."""
+    """After a cell: to the next one, True; after the last one back to the first, False."""
     cells = frame.cells
     assert cells is not None
     run.flow.hot_blocks.run_pending()
@@ -141,7 +141,7 @@ def next_cell(run: WinCncRun, cells_of: PlainCells, frame: Frame) -> bool:
 
 
 def _many_cells(run: WinCncRun, cells_of: PlainCells, frame: Frame, cells: Cells) -> None:
-    """Where a cell begins: those that are plain lines and nothing else, all but the last, at once."""
+    """At the start of a cell: those that are only plain lines, all but the last, at once."""
     node = frame.node
     assert isinstance(node, Array)
     left = cells.count - 1 - frame.cell

@@ -37,7 +37,7 @@ class WinCncDialect(Dialect[WinCncRun]):
     """
 
     kernel = run_moves
-    hot_blocks = False  # texts, comments and bare letters count in lines besides
+    hot_blocks = False  # texts, comments and bare letters also count within lines
     has_own_feeds = True
     stored_places = frozenset("PHT")
     run_type = WinCncRun
@@ -131,7 +131,7 @@ class WinCncDialect(Dialect[WinCncRun]):
         part_arrays.begin_array(run, node)
 
     def next_cell(self, run: WinCncRun, frame: Frame) -> bool:
-        """Behind a cell: to the next one, True; after the last one back to the first, False."""
+        """After a cell: to the next one, True; after the last one back to the first, False."""
         return part_arrays.next_cell(run, self.plain_cells, frame)
 
     def back_from_file(self, run: WinCncRun, kept: Kept | None) -> None:

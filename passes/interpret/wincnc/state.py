@@ -1,4 +1,4 @@
-"""The state that controllers of one command a line have beside the one of all: feeds by group, heads, switches.
+"""The state that controllers of one command a line have in addition to the one of all: feeds by group, heads, switches.
 
 Source: WinCNC Users Guide, Command Reference; docs/dialects/wincnc.md says how open questions are read. Values are
 immutable; a change is a new ``WinCncState``.
@@ -30,7 +30,7 @@ TURNING = 3
 COUPLING_OPEN = "coupling open"
 """Flag: which axes follow which (L13), and how far, is not known for certain."""
 REGISTERS_OPEN = "registers open"
-"""Flag: nobody knows what H registers hold that the job has not written since."""
+"""Flag: what H registers hold is not known where the job has not written them since."""
 TURN_SETTLED = "turn settled"
 """Flag: the place of X and Y in the program is the same in all readings, though G52 turns them."""
 STILL = Position(0.0)
@@ -62,17 +62,17 @@ class WinCncState:
     sources: by column, the letter's column whose words move it (L11, L12). slaves: (column that
     follows, column) (L13). locked: columns (L300), held_back: those to which a move was given since then.
     arguments: words of the call that runs. keep_local: L92 was met.
-    absolute_once: of the line that runs, None: as the mode. touched: columns that stand at a limit switch. flags:
+    absolute_once: of the line that runs, None: as the mode. touched: columns that are at a limit switch. flags:
     names of devices that are on.
     heights: measures stored by tool number; switch_heights: TM1 and TM2; before: measures that G49 put aside.
     arc_feed: mm/min of arcs, None before their first F; feed_doubt: an arc had an F since the last one of lines in X
-    and Y, another one; scales: (column, Scaling) of axes beside X and Y (G51), a factor of NaN: open; places: stored
-    positions as (name, places by column, whether heads are lifted); auto_dwell: seconds after switching the automatic
-    output on and off. knife: its settings now, None: those of the machine's file; spans: ((column, low, high), place)
-    of places between two readings. unworn: tools of the library that L500.2 gave one diameter, nominal and actual, and
-    nothing to compensate; diameters: those that it gave. kept_feeds: (unit, feeds, arc_feed) before the unit changed,
-    which come back with it. reference: what positions had more than the tip of the tool of
-    the start when another one came, None before. cell_open: the cell of an array has named no local zero of X and Y
+    and Y, another one; scales: (column, Scaling) of axes other than X and Y (G51), a factor of NaN: open; places:
+    stored positions as (name, places by column, whether heads are lifted); auto_dwell: seconds after switching the
+    automatic output on and off. knife: its settings now, None: those of the machine's file; spans: ((column, low,
+    high), place) of places between two readings. unworn: tools of the library that L500.2 gave one diameter, nominal
+    and actual, and nothing to compensate; diameters: those that it gave. kept_feeds: (unit, feeds, arc_feed) before the
+    unit changed, which come back with it. reference: what positions had more than the tip of the tool of the start when
+    another one came, None before. cell_open: the cell of an array has named no local zero of X and Y
     yet. measured: M37 was used, in the job or before it. zeros: (column, place) of machine zeros that L28 moved, in the
     coordinates of the one before, in which positions go on to count; found: columns whose machine zero the job found at
     a limit switch. drift: (column, way) that followers have gone with their
@@ -147,7 +147,7 @@ def turned_shift(space: Workspace, axis: int) -> tuple[float, float] | None:
 
 
 def turning(space: Workspace | None) -> str:
-    """What of a workspace that turns, or is told to turn, the manual does not say."""
+    """What of a workspace that turns, or is to turn, the manual does not say."""
     if space is None or not space.kind:
         return "with X and Y, which only workspaces of type 3 have,"
     if space.kind == TURNING:
@@ -236,7 +236,7 @@ def _lost_of(s: WinCncModal, lost: frozenset[str], cause: str) -> dict[str, obje
 
 
 class WinCncModal(Modal):
-    """The state of a run on such a controller. own: what it keeps beside the state of all."""
+    """The state of a run on such a controller. own: what it keeps in addition to the state of all."""
 
     own: WinCncState
 
@@ -289,7 +289,7 @@ class WinCncModal(Modal):
 
     @property
     def has_offset_path(self) -> bool:
-        """True while the tool is beside the programmed contour."""
+        """True while the tool is next to the programmed contour."""
         return super().has_offset_path or "compensation" in self.own.flags
 
     @property

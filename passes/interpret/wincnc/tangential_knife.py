@@ -342,7 +342,7 @@ def problem_of(run: WinCncRun, mode: KnifeMode) -> str:
 
 
 def switched(run: WinCncRun, span: Span) -> None:
-    """Behind L30 and before L31."""
+    """After L30 and before L31."""
     mode = follows(run)
     if mode is not None:
         Turning(run, mode, span).lift_by_itself()
@@ -364,7 +364,7 @@ def turn_before(
 
 
 def lower(run: WinCncRun, mode: KnifeMode, span: Span, place: Position) -> None:
-    """Behind an arc in which it may have been lifted."""
+    """After an arc in which it may have been lifted."""
     turning = Turning(run, mode, span)
     turning._go(Op.FEED, turning.up, place)
 
@@ -372,7 +372,7 @@ def lower(run: WinCncRun, mode: KnifeMode, span: Span, place: Position) -> None:
 def _arc_direction(
     start: tuple[float, float], end: tuple[float, float], center: tuple[float, float], turns: int
 ) -> tuple[float, float]:  # fmt: skip
-    """(direction at the begin, degrees by which it turns along the arc)."""
+    """(direction at the start, degrees by which it turns along the arc)."""
     (x0, y0), (x1, y1), (cx, cy) = start, end, center
     sign = 1 if turns > 0 else -1
     first, last = math.atan2(y0 - cy, x0 - cx), math.atan2(y1 - cy, x1 - cx)

@@ -110,7 +110,7 @@ def measure_switch(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def shift_measures(run: WinCncRun, line: Command, rule: CodeRule) -> None:
-    """M37.3: measures, H registers and workspaces are shifted; of what is stored nobody knows it then."""
+    """M37.3: measures, H registers and workspaces are shifted; whether what is stored is shifted is then not known."""
     s = run.modal
     axes = line.axes()
     if line.values.keys() & set("HTM"):

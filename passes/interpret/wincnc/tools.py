@@ -87,7 +87,7 @@ def store_tool(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def load_registers(run: WinCncRun, line: Command, rule: CodeRule) -> None:
-    """L1.2: what registers hold then, a file says that nobody knows."""
+    """L1.2: what registers hold then is in a file that is not known."""
     s = run.modal
     s.own = s.own.but(heights=(), flags=s.own.flags | {REGISTERS_OPEN})
     what = f"{rule.text} (the manual does not say from which file the registers are loaded)"
@@ -95,7 +95,7 @@ def load_registers(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def compensation(run: WinCncRun, line: Command, rule: CodeRule) -> None:
-    """G40 to G42: for differences of tool diameters; how the path is beside the programmed one is not described.
+    """G40 to G42: for differences of tool diameters; how the path differs from the programmed one is not described.
 
     Nothing moves aside for O0 on a machine without a tool changer, and on one with a changer for a tool to which the
     job's own L500.2 gave one diameter, nominal and actual. Else X and Y are not known until G40 and their next words:

@@ -282,7 +282,7 @@ def _turn(run: WinCncRun, line: Command, rule: CodeRule, space: Workspace | None
     """G54 to G59 of types 3 and 5, and with X and Y: what turns and where it is then is open.
 
     A shift of type 3 is bounded where R is known: at most twice the radius from that of the file, however it turns, if
-    at all (``single_state.turned_shift``), so that what no direction keeps within limits is still told.
+    at all (``single_state.turned_shift``), so that what no direction keeps within limits is still reported.
     """
     s = run.modal
     s.work, s.jumped = rule.value, True
@@ -356,7 +356,7 @@ def scaling(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     i, j, k = (common if line.number(letter) is None else line.number(letter) or 0.0 for letter in "IJK")
     if s.transform.rotated:
         _together(run, line, rule)
-    # An axis that an earlier G51 scaled and this one does not name: whether it still is, nobody says.
+    # An axis that an earlier G51 scaled and this one does not name: whether it still is scaled is not known.
     scales = {axis: (math.nan if factor != 1.0 else 1.0, 0.0, ZERO) for axis, (factor, _, _) in s.own.scales}
     for axis, factor in numbers.items():
         if axis > 1:
