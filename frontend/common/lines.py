@@ -72,7 +72,7 @@ def automata(
 class LineIndex:
     """The lines of a file that are not plain, as columns, and totals.
 
-    line, begin, end: number, first byte, byte after the line's end; words_before: a plain line between the
+    ``line``, ``begin``, ``end``: number, first byte, byte after the line's end; words_before: a plain line between the
     special line before (or the top) and this one has a word; words_after: one after the last has.
     """
 
@@ -84,7 +84,7 @@ class LineIndex:
     line_count: int
 
     def rows(self) -> Iterator[tuple[int, int, int, int]]:
-        """(line, begin, end, words_before) of each line."""
+        """``(line, begin, end, words_before)`` of each line."""
         columns = (self.line, self.begin, self.end, self.words_before)
         for start in range(0, len(self.line), _ROOM):
             yield from zip(*(c[start : start + _ROOM].tolist() for c in columns), strict=True)
@@ -101,7 +101,7 @@ def _end_of_piece(data: bytes, begin: int, end: int) -> int:
 
 
 def index_lines(tables: Automata, data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
-    """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
+    """Find the lines of ``data[begin:end]`` that are not plain; limit: characters that a line may have."""
     end = len(data) if end is None else end
     plain, compiled = tables
     run = k.index_lines.pick(end - begin)

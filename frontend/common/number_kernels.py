@@ -1,7 +1,7 @@
 """Plain lines at the speed of the disk: which lines are plain, their words and numbers, the columns of their notes.
 
 Takes ``bytes`` (or a memory map) and Python lists in plain Python, and uint8 / uint16 / float64 arrays when compiled;
-``lines.py`` and ``words.py`` beside it make the tables and choose. A dialect's own ``scan_kernels.py`` reads notes.
+``lines.py`` and ``words.py`` next to it make the tables and choose. A dialect's own ``scan_kernels.py`` reads notes.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ def index_lines(
     at_end: Any,
     at_words: Any,
 ) -> tuple[int, int, int, int]:
-    """Find the lines of data[begin:end] that are not plain; ``begin`` starts line number ``line``.
+    """Find the lines of ``data[begin:end]`` that are not plain; ``begin`` starts line number ``line``.
 
     words: whether a plain line before it has a word (0 at the top; what the call before returned);
     limit: characters a line may have; row, column, pairs, verdicts: the automaton of ``lines.py``.
-    at_*: for each line found its number, first byte, byte behind its end, and whether a plain line between
+    at_*: for each line found its number, first byte, byte after its end, and whether a plain line between
     the one found before and it has a word. Stops early when they are full.
     Returns (lines found, next byte, its line number, whether a plain line since the last one has a word).
     """
@@ -112,7 +112,7 @@ def scan_words(
     at_flags: Any,
     at_value: Any,
 ) -> tuple[int, int, int]:
-    """Read the words of the plain lines data[begin:end]; ``begin`` starts line number ``line``. Checks nothing.
+    """Read the words of the plain lines ``data[begin:end]``; ``begin`` starts line number ``line``. Checks nothing.
 
     kinds: what each byte is; powers: 10**0 .. 10**22; at_*: columns of WORD, offsets from ``begin``, with room for what
     the lines up to ``limit`` can hold. Stops at the first line end at or after ``begin + limit``.
@@ -183,8 +183,8 @@ def scan_words(
 
 @kernel(seconds_per_unit=1.6e-7, compile_seconds=0.2)
 def note_column(data: Any, start: int, at: int) -> int:
-    """The column of a note at byte ``at`` of a line that begins at ``start``, when words and two blanks or more stand
-    before it, else 0; see NOTE. A tab goes on to the next multiple of eight."""
+    """The column of a note at byte ``at`` of a line that starts at ``start``, when words and two or more blanks are
+    before it, otherwise 0; see NOTE. A tab moves to the next multiple of eight."""
     blank = at
     while blank > start and data[blank - 1] in (32, 9):
         blank -= 1

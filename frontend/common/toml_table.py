@@ -319,7 +319,7 @@ class TomlTable:
         return None if low is None or high is None else (low, high)
 
     def as_stated(self, key: str, value: float, unit: Fraction) -> str:
-        """A value as this table writes it, else, where another file has it, in this file's unit."""
+        """A value as this table writes it; where another file has it, in this file's unit."""
         return show(self.values[key]) if key in self.values else f"{value / float(unit):g}"
 
     def table(self, key: str) -> TomlTable | None:
@@ -408,7 +408,7 @@ def meant(word: str, known: Iterable[str]) -> str:
 
 
 def in_range(value: T, path: Path, findings: Findings) -> T | None:
-    """A machine or setup of which every number is in its range (``ir/number_ranges.py``); None, with GP603, else."""
+    """A machine or setup whose numbers are all in range (``ir/number_ranges.py``); otherwise None, with GP603."""
     wrong = number_problem(value)
     if wrong is None:
         return value

@@ -52,7 +52,7 @@ def word_bytes(kinds: Sequence[int], shortest: int) -> WordBytes:
 
 
 def scan(table: WordBytes, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
-    """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``.
+    """Words of the plain lines ``data[begin:end]`` whose first has number ``line``; see ``Program.load``.
 
     Stops at the first line end at or after ``begin + limit``. Returns (WORD columns with offsets from ``begin``, next
     byte, number of the next line).

@@ -65,7 +65,7 @@ Parsed = Statement | Structural
 
 
 class Part(NamedTuple):
-    """An expression on its way up: node, begin and end in the code of the line.
+    """An expression on its way up: node, ``begin`` and ``end`` in the code of the line.
 
     operator: its outermost operator when that is without brackets (``sign`` for a sign before
     something that is no number), else "".
@@ -149,13 +149,13 @@ class Builder:
         self.line = Line("", "block", "", -1, "", [0], "")
 
     def span(self, begin: int, end: int) -> Span:
-        """The place of code[begin:end] in the source."""
+        """The place of ``code[begin:end]`` in the source."""
         places = self.line.places
         last = places[end - 1] + 1 if end > begin else places[begin]
         return Span(self.file, self.row, places[begin] + 1, last + 1)
 
     def error(self, code: Code, begin: int, end: int, **values: Any) -> LineError:
-        """A mistake at code[begin:end]."""
+        """A mistake at ``code[begin:end]``."""
         places = self.line.places
         return LineError(code, places[begin], places[end - 1] + 1, **values)
 
@@ -438,7 +438,7 @@ BENT_KNIFE_DEGREES = 90  # 2.1.9
 
 
 def _range(token: Token) -> tuple[int, int]:
-    """Begin and end of a token in the code of its line."""
+    """Start and end of a token in the code of its line."""
     assert token.start_pos is not None
     return token.start_pos, token.start_pos + len(token)
 

@@ -52,7 +52,7 @@ class _Stop:
         return self.line.code[self.at :]
 
     def error(self, code: Code, begin: int, end: int, **values: Any) -> LineError:
-        """A mistake at code[begin:end]; an empty range at the end points after the last character."""
+        """A mistake at ``code[begin:end]``; an empty range at the end points after the last character."""
         places = self.line.places
         first = places[min(begin, len(places) - 1)]
         last = places[end - 1] + 1 if begin < end <= len(self.line.code) else first + 1

@@ -74,7 +74,7 @@ class _Reading:
         self.line = line
 
     def span(self, begin: int, end: int) -> Span:
-        """The place of text[begin:end]."""
+        """The place of ``text[begin:end]``."""
         return Span(self.file, self.line, begin + 1, end + 1)
 
     def block(self) -> Block:

@@ -62,7 +62,7 @@ class _Collector:
             self.data, self.out = np.frombuffer(data, np.uint8), np.frombuffer(self.text, np.uint8)
 
     def plain(self, begin: int, end: int, line: int) -> None:
-        """The lines data[begin:end], all plain."""
+        """The lines ``data[begin:end]``, all plain."""
         if begin < end:
             room: list[Any] = [*self.columns.values(), self.out]
             self.count, self.used = self.run(self.data, begin, end, line, self.count, self.used, *room)

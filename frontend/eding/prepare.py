@@ -44,7 +44,7 @@ _BLANKS = re.compile(r"[ \t]+")
 
 
 class LineError(Exception):
-    """A mistake in a line: code, begin and end as indices into the text of the line, template values.
+    """A mistake in a line: code, start and end as indices into the text of the line, template values.
 
     structure: the word of flow control that the line nevertheless has, so that one mistake in an ``if`` does
     not make its ``endif`` another.

@@ -125,7 +125,7 @@ def _tables() -> Automata:
 
 
 def index(data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
-    """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
+    """Find the lines of ``data[begin:end]`` that are not plain; limit: characters that a line may have."""
     return index_lines(_tables(), data, begin, limit, end)
 
 
@@ -148,5 +148,5 @@ def _word_bytes() -> WordBytes:
 
 
 def scan(data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
-    """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
+    """Words of the plain lines ``data[begin:end]`` whose first has number ``line``; see ``Program.load``."""
     return words.scan(_word_bytes(), data, begin, end, line, limit)

@@ -41,7 +41,7 @@ def scan_notes(
     at_size: Any,
     text: Any,
 ) -> tuple[int, int]:
-    """Read the notes of the plain lines data[begin:end]; ``begin`` starts line number ``line``.
+    """Read the notes of the plain lines ``data[begin:end]``; ``begin`` starts line number ``line``.
 
     at_*: columns of NOTE, of which ``count`` rows are in use; text: bytes of the notes, of which ``used`` are.
     Returns (rows in use, bytes in use).

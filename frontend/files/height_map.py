@@ -96,7 +96,7 @@ def _from_points(table: TomlTable, name: str, points: list[Point], unit: Fractio
     x0, y0 = min(x for x, _, _ in points), min(y for _, y, _ in points)
     sides = sorted({x - x0 for x, _, _ in points} | {y - y0 for _, y, _ in points})
     problem = "the points do not make a grid"
-    # No more points than there are stand in a row; what is closer are points off their places.
+    # A row has at most as many points as there are in all; a smaller spacing comes from points off their places.
     sizes = [size for size in sides if size > 0 and size * len(points) >= sides[-1]]
     for size in sizes[:CANDIDATES]:
         cells, wrong = _cells(points, x0, y0, size)

@@ -36,7 +36,7 @@ def columns_of(machine: Machine) -> Columns:
 
 
 def axes_of(table: TomlTable | None, unit: Fraction, columns: Columns) -> dict[str, Interval]:
-    """Values by column name; what counts in lengths times ``unit``."""
+    """Values by column name; those that are lengths are multiplied by ``unit``."""
     if table is None:
         return {}
     found = {}

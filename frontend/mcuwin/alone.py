@@ -74,7 +74,7 @@ def _without_names(whole: Alone) -> Alone:
 
 
 def jobs_around(path: Path) -> list[Path]:
-    """The files beside ``path``, or one folder up, that include it, also by way of others, and that nobody includes."""
+    """Files next to ``path`` or one folder up that include it, directly or through others, and that none includes."""
     own = path.resolve()
     beside = [file for folder in (own.parent, own.parent.parent) for file in _programs(folder)]
     includes = {file: _included(file) for file in dict.fromkeys(beside)}

@@ -1,7 +1,7 @@
 """Comments of DIN lines: a single quote to the end of the line, and round brackets (McuWIN manual 6).
 
-The manual says both that comments nest and that they must not; and nobody says what a quote does within brackets. A
-comment is taken where all these readings leave the same code, and refused where they do not.
+The manual says both that comments nest and that they must not; it does not say what a quote does within brackets.
+A comment is taken where all these readings leave the same code, and refused where they do not.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def round_comment(text: str, at: int, file: str, line: int, *, nests: bool = Fal
 
 
 def _nested_end(text: str, at: int) -> int:
-    """Behind the bracket that closes the one at ``at`` when brackets nest; 0: there is none."""
+    """The place after the bracket that closes the one at ``at`` when brackets nest; 0: there is none."""
     depth = 0
     for i in range(at, len(text)):
         depth += {"(": 1, ")": -1}.get(text[i], 0)

@@ -127,7 +127,7 @@ class LineCursor:
         return value
 
     def no_comment(self, code: str) -> None:
-        """A bracket where a parameter may stand must hold an expression (6)."""
+        """A bracket where a parameter can be must hold an expression (6)."""
         if self.text[self.at : self.at + 1] == "(" and not self.language.expressions.fits(self.text, self.at):
             hint = "start a comment with a single quote"
             raise self.error(codes.BRACKET_PARAMETER, self.at, len(self.text), code=code, hint=hint)

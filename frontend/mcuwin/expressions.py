@@ -42,5 +42,5 @@ class Expressions:
         return not trial.findings.counts and type_ is not Type.STRING
 
     def begins(self, text: str, at: int) -> bool:
-        """Whether an expression may begin at ``at``."""
+        """Whether an expression may start at ``at``."""
         return begins_expression(text, at, self.symbols)

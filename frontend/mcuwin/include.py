@@ -16,7 +16,7 @@ MOST = 1000
 def find(name: str, folders: Sequence[Path]) -> list[Path]:
     """The files that a name may mean, one a folder, in any case of letters.
 
-    A drive or a path from the root is the controller's own disk: the file of that name beside the source stands for it.
+    A drive or a path from the root is the controller's own disk: the file of that name next to the source is taken.
     """
     text = name.replace("\\", "/")
     absolute = text.startswith("/") or text[1:2] == ":"

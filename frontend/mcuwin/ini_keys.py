@@ -13,7 +13,7 @@ from gproof.ir.record import record
 
 @record(frozen=True, slots=True)
 class IniKey:
-    """A key. shown: as the manual writes it, ``?`` for a digit, with its section where that is told."""
+    """A key. shown: as the manual writes it, ``?`` for a digit, with its section where the manual gives one."""
 
     shown: str
     meaning: str

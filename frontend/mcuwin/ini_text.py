@@ -95,7 +95,7 @@ class IniText:
         self.add(codes.UNKNOWN_KEY, line, key=f"[{name}]")
 
     def number(self, entry: Entry) -> Fraction | None:
-        """A decimal number with a comma or a point, exactly; None, with a finding, for anything else."""
+        """A decimal number with a comma or a point, exactly; None, with a finding, for any other text."""
         value = decimal(entry.text)
         if value is None:
             self.bad(entry, f"{entry.text[:40]!r} is not a number" if entry.text else "there is no number")
@@ -125,7 +125,7 @@ class IniText:
             self._enter(section, number, found)
 
     def _open(self, name: str, line: int) -> str:
-        """The folded name of a section; a second one of that name is an error: which of them is read is not told."""
+        """The folded name of a section; a second one of that name is an error: which of them is read is not known."""
         folded = name.casefold()
         known = self.names.setdefault(folded, (name, line))
         self.sections.setdefault(folded, {})

@@ -46,7 +46,7 @@ _ENDS = (2.0, 30.0)
 
 
 class Split(NamedTuple):
-    """A line apart. shape: what is between its runs; comment: where the one at its end may begin, -1: nowhere."""
+    """A line apart. shape: what is between its runs; comment: where the one at its end may start, -1: nowhere."""
 
     shape: str
     pieces: list[str]
@@ -205,7 +205,7 @@ class Shapes:
         return found
 
     def _make(self, index: int, state: State, raw: bytes, file: str, line: int) -> Block:
-        """The statement of that index in a line; remembers the last, as its user asks for one field at a time."""
+        """The statement of that index in a line; remembers the last, as its user reads one field at a time."""
         key = index, state, file, line
         last = self._last
         if last is not None and last[0] is raw and last[1] == key:
@@ -234,7 +234,7 @@ class Shapes:
 
 
 def continued(nodes: Sequence[Statement], state: str) -> list[Statement]:
-    """Statements of rw_SymPas with what is in force where they stand."""
+    """Statements of rw_SymPas with what is in force where they are."""
     return [replace(n, continued=state) if isinstance(n, Block) else n for n in nodes]
 
 

@@ -161,7 +161,7 @@ class _Line(LineCursor):
             self.found.statements.append(behind)
 
     def _out_of_order(self) -> int | None:
-        """Which statement of the line is before words of which nobody knows whether they act in that order."""
+        """Which statement of the line is before words, where it is not known whether they act in that order."""
         for at, node in enumerate(self.found.statements):
             if isinstance(node, (Jump, Call, Return)) or (isinstance(node, Block) and node.words):
                 return at

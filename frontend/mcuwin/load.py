@@ -39,9 +39,9 @@ def load_program(
 ) -> Program | None:  # fmt: skip
     """The program in ``path`` with all it includes; None when the job's file is refused.
 
-    machine: whose axes and settings say how lines are read; machine_file: beside which PreInclude and PostInclude lie;
-    tables: plain lines become tables, else blocks like all others; held: see ``text.Text``. A line with a mistake is a
-    finding and left out of the program.
+    machine: whose axes and settings say how lines are read; machine_file: PreInclude and PostInclude are next to
+    it; tables: plain lines become tables, otherwise blocks like all others; held: see ``text.Text``. A line with
+    a mistake is a finding and left out of the program.
     """
     loader = _Loader(path, findings, machine, machine_file, tables=tables, held=held)
     before = sum(findings.counts.values())
@@ -61,9 +61,9 @@ def load_alone(
 ) -> Program | None:  # fmt: skip
     """One file as a program to be printed again; None when it is refused.
 
-    Its body has the statements of all its modules as they stand, its subprograms are the declared procedures: labels,
-    calls and ends of modules are not judged, and jumps may lead nowhere. Files that it includes give the names that
-    they declare and nothing else, and missing ones are no mistakes. name: of the file in findings, when it is not
+    Its body has the statements of all its modules as they are, its subprograms are the declared procedures: labels,
+    calls and ends of modules are not judged, and jumps may have no target. Files that it includes give only the names
+    that they declare, and missing ones are no mistakes. name: of the file in findings, when it is not
     ``path``; folder: where its includes are, when that is not its own; within: a job that includes it, of which the
     names count that it declares before that.
     """
@@ -192,7 +192,7 @@ class _Loader:
         self.stack.pop()
 
     def _include_from(self, name: str, span: Span) -> None:
-        """``$I`` in a file: beside it, or beside the job (14, 2.5.3.52); the older version looked beside McuWIN."""
+        """``$I`` in a file: next to it, or next to the job (14, 2.5.3.52); the older version looked next to McuWIN."""
         if self.text.old and self.machine_file is not None:
             folders = [self.machine_file.parent]
         else:
@@ -245,7 +245,7 @@ class _Loader:
         self.findings.add(finding)
         what, hint = finding.message, finding.hint
         node = Mistake(code=finding.code.number, message=what, span=finding.span, text="", hint=hint, told=True)
-        # The end that its module lacks may stand in the file.
+        # The end that its module lacks may be in the file.
         self.text.structure.section.broken = True
         self.text.structure.add([node])
 

@@ -42,7 +42,7 @@ def is_mcuwin_ini(path: Path) -> bool:
 def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tuple[Machine | None, Files]:
     """The machine, and (name, sha256) of the files read; None, with findings, when one is bad.
 
-    alone: no file refines this one, so the tool table is the usual file beside it, in mm, or there is none.
+    alone: no file refines this one, so the tool table is the usual file next to it, in mm, or there is none.
     """
     file = IniText(path, findings)
     tools_at = next((file.names[section][1] for section in file.sections if _TOOLS.fullmatch(section)), 0)

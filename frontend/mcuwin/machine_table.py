@@ -90,7 +90,7 @@ def _shortest_path(table: TomlTable, machine: Machine) -> tuple[Unmodelled, ...]
 
 
 def _error_compensation(table: TomlTable, machine: Machine) -> tuple[Unmodelled, ...]:
-    """Of each axis: where it goes beside its place by a table of spindle or angle errors is not known (2.8)."""
+    """Of each axis: how far a table of spindle or angle errors moves it from its place is not known (2.8)."""
     why = "what the compensation files add to the axis is unknown"
     file, line = table.file.path.name, table.file.line_of("din.error_compensation")
     moving = [axis.name for axis in machine.axes or NO_MACHINE.axes]

@@ -74,7 +74,7 @@ def _units(sections: Sequence[Section], taken: set[str], job: str, *, old: bool)
     """The module that runs first, then the others; sections without anything in them are none.
 
     taken: names of procedures, which no module has as its key. Where names of modules are no labels, a label of the
-    same name may stand anywhere, and has the key.
+    same name may be anywhere, and has the key.
     """
     leading, rest = sections[0], list(sections[1:])
     main = _Unit("", "", leading.span, tuple(leading.body), leading.end_span, leading.broken)

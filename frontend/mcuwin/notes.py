@@ -67,7 +67,7 @@ class Annotator:
             if first >= end:
                 break
             if last > begin:
-                # A range that began before this chunk goes on with the chunk's first line.
+                # A range that started before this chunk continues with the chunk's first line.
                 collector.plain(max(first, begin), min(last, end), max(number, line))
         return collector.notes(rows), end, after
 
@@ -87,7 +87,7 @@ class _Collector:
             self.data, self.out = np.frombuffer(data, np.uint8), np.frombuffer(self.text, np.uint8)
 
     def plain(self, begin: int, end: int, line: int) -> None:
-        """The lines data[begin:end], all plain."""
+        """The lines ``data[begin:end]``, all plain."""
         room: list[Any] = [*self.columns.values(), self.out]
         self.count, self.used = self.run(self.data, begin, end, line, self.count, self.used, *room)
 

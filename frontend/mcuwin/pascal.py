@@ -27,14 +27,14 @@ __all__ = [
 
 
 class IfHead(NamedTuple):
-    """if (...) then begin"""
+    """``if (...) then begin``"""
 
     condition: Expr
     span: Span
 
 
 class ElseIf(NamedTuple):
-    """end else if (...) begin, with or without ``then``; closes: ``end`` is before it on this line."""
+    """``end else if (...) begin``, with or without ``then``; closes: ``end`` is before it on this line."""
 
     condition: Expr
     span: Span
@@ -42,7 +42,7 @@ class ElseIf(NamedTuple):
 
 
 class Else(NamedTuple):
-    """end else begin; closes: see ElseIf."""
+    """``end else begin``; closes: see ElseIf."""
 
     span: Span
     closes: bool
@@ -62,20 +62,20 @@ class Until(NamedTuple):
 
 
 class WhileHead(NamedTuple):
-    """while (...) do begin"""
+    """``while (...) do begin``"""
 
     condition: Expr
     span: Span
 
 
 class RepeatHead(NamedTuple):
-    """repeat begin, with or without ``begin``."""
+    """``repeat``, with or without ``begin``."""
 
     span: Span
 
 
 class ForHead(NamedTuple):
-    """for v := a to b do begin; variable: None where it is none that can be written (reported)."""
+    """``for v := a to b do begin``; variable: None where it is none that can be written (reported)."""
 
     variable: Variable | None
     first: Expr
@@ -115,7 +115,7 @@ def parse_section(lines: Sequence[str], place: Place, symbols: Symbols) -> Secti
 
 
 def begins_expression(text: str, at: int, symbols: Symbols) -> bool:
-    """Whether an expression may begin at character ``at``: a number, sign, bracket, or a name that means a value."""
+    """Whether an expression may start at character ``at``: a number, sign, bracket, or a name that means a value."""
     lexer = Lexer([text], Place("", 1), at)
     token = lexer.peek()
     if token.kind in ("number", "axis") or token.text in ("(", "+", "-") or token.low == "not":

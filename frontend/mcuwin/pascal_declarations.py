@@ -37,7 +37,7 @@ from gproof.ir.program import (
 
 
 class Section(NamedTuple):
-    """What a section holds. first_statement, first_declaration: where they begin, None without any."""
+    """What a section holds. first_statement, first_declaration: where they start, None without any."""
 
     statements: tuple[Statement, ...]
     subprograms: tuple[Subprogram, ...]
@@ -198,7 +198,7 @@ class SectionParser(StatementParser):
         return [Declare(kind="label", names=tuple(names), span=span)]
 
     def _procedure(self, subprograms: list[Subprogram], within: str = "") -> None:
-        """procedure name (parameters); declarations, begin ... end; within: name of the one around it, if any.
+        """``procedure name (parameters); declarations, begin ... end``; within: name of the one around it, if any.
 
         Functions, procedures within procedures and ``forward`` are not in the manual: UNKNOWN, and read on.
         """

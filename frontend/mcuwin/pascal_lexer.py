@@ -28,7 +28,7 @@ _BLANK = re.compile(r"[ \t\r\f\v\n]*")
 
 
 class Place(NamedTuple):
-    """Where a text is: file, line, and how many characters of its line stand before it."""
+    """Where a text is: file, line, and how many characters of its line are before it."""
 
     file: str
     line: int
@@ -37,7 +37,7 @@ class Place(NamedTuple):
 
 class Token(NamedTuple):
     """kind: ``axis`` (X.tp), ``name``, ``number``, ``string``, ``op``, ``other`` or ``end``; low: text in lower case;
-    row: line of the text from 0; begin, end: its characters, from 0."""
+    row: line of the text from 0; ``begin``, ``end``: its characters, from 0."""
 
     kind: str
     text: str

@@ -28,7 +28,7 @@ from gproof.ir.program import (
 
 MAX_DEPTH = 40
 DECLARING = ("var", "const", "label", "procedure", "function")
-"""Words that begin declarations: no statement does."""
+"""Words that start declarations: no statement does."""
 
 
 class StatementParser(CommandParser):
@@ -127,7 +127,7 @@ class StatementParser(CommandParser):
         raise self.lexer.error(codes.SYNTAX, token, what=what)
 
     def compound(self) -> tuple[Statements, Token]:
-        """begin ... end, and its ``end``."""
+        """``begin ... end``, and its ``end``."""
         opening = self.lexer.take()
         body = self.statements("end", *DECLARING)
         if self.lexer.peek().low != "end":

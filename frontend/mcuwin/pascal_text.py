@@ -12,7 +12,7 @@ _NEXT = re.compile(r"""//|\{|"[^"]*"|'[^']*'""")
 
 
 def mode_sign(text: str, opened: bool) -> tuple[tuple[int, int] | None, bool]:
-    """Begin and end of ``{$DINSTART}`` in a line, and whether a comment is open after the line.
+    """Start and end of ``{$DINSTART}`` in a line, and whether a comment is open after the line.
 
     opened: one is open before it.
     """

@@ -70,7 +70,7 @@ class Symbols:
     """Declared names of a job, and the settings that decide how names and functions are read.
 
     findings: what takes the violations that reading goes on after; axes: letters of the machine's axes in its order;
-    case_sensitive: None where nobody stated it: names are then found in any case, and one that is written in two ways
+    case_sensitive: None where it is not known: names are then found in any case, and one that is written in two ways
     is UNKNOWN; angle_unit: ``radians`` or ``degrees``.
     """
 
@@ -97,7 +97,7 @@ class Symbols:
         return self._scopes == other._scopes
 
     def enter(self) -> None:
-        """Names of a procedure begin."""
+        """Start the names of a procedure."""
         self._scopes.append({})
 
     def leave(self) -> None:
@@ -146,7 +146,7 @@ class Symbols:
         return None
 
     def resolve(self, name: str, span: Span) -> Symbol | None:
-        """As ``lookup``, with a finding where the name is declared in another case and nobody says if that matters."""
+        """As ``lookup``, with a finding where the name is declared in another case; if that matters is not known."""
         symbol = self.lookup(name)
         if symbol is not None and symbol.name != name and self.case_sensitive is None:
             self.report(codes.PASCAL_OPEN.at(

@@ -22,7 +22,7 @@ from gproof.ir.record import record
 Part = Callable[[Sequence[Span], Sequence[Any]], Any]
 """Makes a node of the spans and values of a line."""
 Place = tuple[int, int]
-"""A character of a line: how many stand before it that are in no run before it, and how many runs end before it."""
+"""A character of a line: how many are before it that are in no run before it, and how many runs end before it."""
 
 _NUMBER = re.compile(r"([-+]?)[ \t]*([0-9]++(?:\.[0-9]*+)?|\.[0-9]+)")
 _LABEL = re.compile(r"[Ll][ \t]*\Z")
@@ -38,14 +38,15 @@ def lengths(runs: Sequence[str]) -> list[int]:
 
 
 def place_of(character: int, runs: Sequence[tuple[int, int]]) -> Place:
-    """Of a character of a line. runs: begin and end of each."""
+    """Of a character of a line. runs: start and end of each."""
     count = bisect_right(runs, character, key=lambda run: run[1])
     return character - sum(end - begin for begin, end in runs[:count]), count
 
 
 @record(frozen=True, slots=True)
 class Value:
-    """What a line has at a place. kind: ``+`` or ``-`` and a number, ``label``, or ``comment``; begin, end: of it."""
+    """What a line has at a place. kind: ``+`` or ``-`` and a number, ``label``, or ``comment``;
+    ``begin``, ``end``: of it."""
 
     kind: str
     begin: Place
@@ -91,7 +92,7 @@ def pattern_of(
 ) -> Pattern:  # fmt: skip
     """The pattern of the nodes of a line; UnfitError where there is none.
 
-    runs: begin and end of each; comment: the one at the end, which no other comment of the line equals; number: the
+    runs: start and end of each; comment: the one at the end, which no other comment of the line equals; number: the
     run that is the line number; labels: a run after L is a label's number.
     """
     maker = _Maker(text, file, line, runs, comment, labels)

@@ -37,11 +37,11 @@ class Scanner:
     numbered: bool = False
 
     def index(self, data: bytes, begin: int, end: int | None = None) -> LineIndex:
-        """Find the lines of data[begin:end] that are not plain."""
+        """Find the lines of ``data[begin:end]`` that are not plain."""
         return index_lines(_automata(self), data, begin, LINE_LIMIT, end)
 
     def scan(self, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
-        """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
+        """Words of the plain lines ``data[begin:end]`` whose first has number ``line``; see ``Program.load``."""
         return words.scan(_word_bytes(self), data, begin, end, line, limit)
 
 

@@ -32,7 +32,7 @@ def scan_notes(
     at_size: Any,
     text: Any,
 ) -> tuple[int, int]:
-    """Read line numbers, and comments with their signs, of the plain lines data[begin:end]; ``begin`` starts ``line``.
+    """Read line numbers, and comments with their signs, of plain lines ``data[begin:end]``; ``begin`` starts ``line``.
 
     at_*: columns of NOTE, of which ``count`` rows are in use; text: bytes of the notes, of which ``used`` are.
     Returns (rows in use, bytes in use).

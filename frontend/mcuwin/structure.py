@@ -100,7 +100,7 @@ class Structure:
         self.sections = [Section("", span)]
         self.open: list[_Open] = []
         self.unopened = 0
-        """Heads with a mistake, of which nobody knows whether they open a block."""
+        """Heads with a mistake; whether they open a block is not known."""
 
     @property
     def section(self) -> Section:

@@ -52,7 +52,7 @@ class Text:
     ) -> None:  # fmt: skip
         """held: how many blocks are made at once; None: all, and each line is read by itself.
 
-        Behind the text ``deferred`` has the words and nodes of the others.
+        After the text, ``deferred`` has the words and nodes of the others.
         """
         self.findings = findings
         self.include = include

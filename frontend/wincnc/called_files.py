@@ -1,4 +1,4 @@
-"""Which file a call means: beside the job, then beside the machine's file, in any case of letters. Manual: M98."""
+"""Which file a call means: next to the job, then next to the machine's file, in any case of letters. Manual: M98."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class CalledFiles:
         self._listed: dict[Path, dict[str, Path]] = {}
 
     def find(self, name: str) -> str | None:
-        """The key of a file: its path in lower case with forward slashes, beside the job or the machine's file."""
+        """The key of a file: its path in lower case with forward slashes, next to the job or the machine's file."""
         text = name.strip().strip('"').replace("\\", "/")
         if not text or "\0" in text:
             return None
-        # A drive or an absolute path is the controller's own disk: the file of that name beside the job stands for it.
+        # A drive or an absolute path is the controller's own disk: the file of that name next to the job is taken.
         candidates = [text] if not (text.startswith("/") or text[1:2] == ":") else []
         candidates.append(text.rpartition("/")[2])
         for candidate in candidates:
@@ -36,7 +36,7 @@ class CalledFiles:
         return None
 
     def other_of(self, path: Path) -> Path | None:
-        """A file of the same name in another of the folders that is not the same; which one is meant nobody says."""
+        """A different file of the same name in another of the folders; which one is meant is not known."""
         for folder in self.folders:
             other = self.below(folder, [path.name])
             if other is not None and other.parent != path.parent and other.resolve() != path.resolve():

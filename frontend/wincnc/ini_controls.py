@@ -1,4 +1,4 @@
-"""What a WINCNC.INI says beside its axes: how lines are read, arcs, limits, workspaces, tools, devices.
+"""What a WINCNC.INI says apart from its axes: how lines are read, arcs, limits, workspaces, tools, devices.
 
 Source: WinCNC manual, "WINCNC.INI Settings", by the name of the key.
 """
@@ -125,7 +125,7 @@ def _switched_off(sheet: Sheet) -> tuple[tuple[str, float], ...]:
 
 
 def _places(sheet: Sheet, **keys: str) -> tuple[tuple[str, Span], ...]:
-    """Where the values of keys stand, by the names that these have in ``WinCncSettings``."""
+    """Where the values of keys are, by the names that these have in ``WinCncSettings``."""
     found = [(name, setting) for name, key in keys.items() if (setting := sheet.one(key)) is not None]
     return tuple(
         (name, Span(sheet.ini.name, s.line, s.value_column, s.value_column + len(s.text))) for name, s in found
@@ -214,7 +214,7 @@ def _feed_groups(sheet: Sheet) -> tuple[tuple[str, ...], str]:
 def _smoothing(sheet: Sheet) -> bool:
     corners = any(number(setting, "C") for own in sheet.axes for setting in own.get("axisvel", ()))
     others = any(sheet.all(key) for key in ("accel", "vmatch", "autoarcfeed"))
-    # What a letter that the manual lacks makes of velocities, nobody knows.
+    # What a letter that the manual lacks does to velocities is not known.
     others = others or any(sheet.odd(key) for key, rule in KEYS.items() if rule.touches == "corners")
     return corners or others or bool(sheet.value("g08", "E")) or bool(sheet.value("g09", "S"))
 

@@ -1,8 +1,8 @@
 """The lines of a WINCNC.INI: ``key=value``, comments in square brackets anywhere, with findings at line and column.
 
 Source: WinCNC manual, "System Configuration" (the file is text without formatting), "WINCNC.INI Settings"; comments
-as in programs ("Parameters: Comment": the closing bracket is optional). What a key's value is made of is told by
-``ini_keys``; this module cuts texts into letters with numbers (``axislo=p2 b6 o1``, blanks or none, any case), and
+as in programs ("Parameters: Comment": the closing bracket is optional). ``ini_keys`` says what a key's value is
+made of; this module cuts texts into letters with numbers (``axislo=p2 b6 o1``, blanks or none, any case), and
 into letters with texts in quotes (``M"Door open"``).
 """
 
@@ -153,7 +153,7 @@ class IniFile:
             )
 
     def words(self, setting: Setting) -> tuple[Word, ...] | None:
-        """The letters of a value in order; None, with a finding, when it is made of anything else."""
+        """The letters of a value in order; None, with a finding, when it has any other part."""
         found: list[Word] = []
         at, text = 0, setting.text
         while at < len(text):
@@ -202,7 +202,7 @@ class IniFile:
 def _signs(text: str) -> str:
     """The value of comchars=. A bracket in it that is not closed, or after which another one opens, is a sign.
 
-    Behind a blank it starts a comment, as everywhere else.
+    After a blank it starts a comment, as in all other places.
     """
     if len(text) > LONGEST_LINE:
         return without_comments(text).rstrip()

@@ -29,7 +29,7 @@ from gproof.ir.dialects.wincnc.keys import Key
 from gproof.ir.record import field, record
 
 ONCE, EACH_AXIS, MANY = "once", "each axis", "many"
-"""How often a key may stand in a file: with one value, with one for each axisspec= above it, as often as you like."""
+"""How often a key may be in a file: with one value, with one for each axisspec= above it, as often as you like."""
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""One line of a WinCNC program that is not plain: its items, as they stand.
+"""One line of a WinCNC program that is not plain: its items, as written.
 
 A line is words (a letter with a number, an expression in braces, or nothing, which counts as 0), texts in double
 quotes after a letter, a name after some commands, and comments at its end (manual: Command Reference, Axis
@@ -36,7 +36,7 @@ _INSIDE = re.compile(
 
 
 class LineError(Exception):
-    """A mistake in a line: where its characters begin and end, from 0."""
+    """A mistake in a line: where its characters start and end, from 0."""
 
     def __init__(self, code: Code, begin: int, end: int, /, **values: Any) -> None:
         super().__init__(code.name)
@@ -63,7 +63,7 @@ class Items:
     """A line that was read.
 
     words: in order; texts: those in quotes, by the letter before; own: it starts with a tilde; rest: the text after
-    the word that ``rest_after`` asked for, and where it starts; comment: the last one's text, "" for none; end: of the
+    the word that ``rest_after`` requested, and where it starts; comment: the last one's text, "" for none; end: of the
     code, in characters.
     """
 
@@ -169,7 +169,7 @@ class LineReader:
         return _literal(text, span), found.end()
 
     def braces(self, code: str, begin: int, end: int, file: str, line: int) -> Expr:
-        """What is in code[begin + 1:end]: a name or number, and at most one operator with a number."""
+        """What is in ``code[begin + 1:end]``: a name or number, and at most one operator with a number."""
         found = _INSIDE.match(code, begin + 1, end)
         span = Span(file, line, begin + 1, end + 2)
         if found is None:
@@ -195,7 +195,7 @@ def _literal(text: str, span: Span) -> Number:
 
 
 def line_number(code: str) -> re.Match[str] | None:
-    """What may number a line, at its beginning: an N with a whole number, its digits the group."""
+    """What may number a line, at its start: an N with a whole number, its digits the group."""
     return _LINE_NUMBER.match(code)
 
 

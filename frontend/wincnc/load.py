@@ -1,7 +1,7 @@
 """A WinCNC job with its subprogram files and macros, from bytes to a Program.
 
 One pass over each file finds the lines that are not plain; those are read one by one, everything between becomes block
-tables. Which file M98 calls is looked up beside the job, then beside the machine's file. Manual: M98, Macro File
+tables. Which file M98 calls is looked up next to the job, then next to the machine's file. Manual: M98, Macro File
 Configuration, L10, M17.1 and its relatives, WINCNC.INI Settings: skipchars=, cmdstart=, cmdend=.
 """
 
@@ -63,9 +63,8 @@ def load_program(
 ) -> Program | None:  # fmt: skip
     """The program in ``path`` with all it calls; None when the job's file is refused.
 
-    machine: whose settings say how lines are read; machine_file: beside which CNC.MAC and subprograms may be, as
-    beside the files that it refines (``beside``). A line
-    with a mistake is a finding and left out of the program.
+    machine: whose settings say how lines are read; machine_file: CNC.MAC and subprograms may be next to it,
+    or next to the files that it refines (``beside``). A line with a mistake is a finding and left out of the program.
     """
     rules = rules_named("wincnc")
     controls = wincnc_settings(machine)
@@ -229,8 +228,8 @@ class _Loader:
         return True
 
     def _macro_file(self) -> None:
-        """CNC.MAC, beside the machine's file or the job."""
-        # The shop's own comes before one that is beside a job in another folder.
+        """CNC.MAC, next to the machine's file or the job."""
+        # The shop's own comes before one that is next to a job in another folder.
         for folder in [*self.files.folders[1:], self.files.folders[0]]:
             found = self.macro_path or CalledFiles([folder]).below(folder, [MACRO_FILE])
             if found is not None:
@@ -531,7 +530,7 @@ def _switch(words: Iterable[tuple[int, float | None]], torch: int | None) -> boo
 
 
 def _mistake(finding: Finding, text: str, *, told: bool = False) -> Mistake:
-    """A line that cannot be read, in its place; told: its finding is reported."""
+    """A line that cannot be read, in its place; ``told``: its finding is reported."""
     return Mistake(
         code=finding.code.number, message=finding.message, span=finding.span, text=text.strip(), hint=finding.hint,
         told=told,

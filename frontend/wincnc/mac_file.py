@@ -22,7 +22,7 @@ from gproof.ir.program import SourceFile
 from gproof.ir.record import record
 
 COMMENT_SIGNS = "[(%"
-"""Signs that start a comment wherever they stand, besides those of comchars=."""
+"""Signs that start a comment wherever they are, besides those of comchars=."""
 
 _END_OF_LINE = re.compile(rb"\r\n|\r|\n")
 _CLOSED_BY = {"[": "]", "(": ")"}
@@ -39,8 +39,8 @@ class Macro:
     """A definition.
 
     name: upper case, a code without leading zeros: ``M3`` for ``m03``; label: as written; text: its command as written,
-    "" for a code that is switched off; span: of the line, its columns those of the text; column: where the text begins,
-    from 1; continued: words of the text stand after a closed comment, numbered: the line has a number of its own, both
+    "" for a code that is switched off; span: of the line, its columns those of the text; column: where the text starts,
+    from 1; continued: words of the text are after a closed comment, numbered: the line has a number of its own, both
     of which the shop's controller takes.
     """
 
@@ -56,7 +56,7 @@ class Macro:
 def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> tuple[dict[str, Macro], list[int]]:
     """The definitions of a file by their names; a line that can be none is a finding at its place.
 
-    Beside them the lines that say something and define nothing here: a controller may read a definition there.
+    With them come the lines that say something and define nothing here: a controller may read a definition there.
     """
     macros: dict[str, Macro] = {}
     unread: list[int] = []
@@ -161,7 +161,7 @@ def _macro(
 
 
 def end_of_command(line: str, begin: int, signs: str) -> int:
-    """Where a comment begins, at ``begin`` or after; a sign within a text in quotes is none."""
+    """Where a comment starts, at ``begin`` or after; a sign within a text in quotes is none."""
     at = begin
     while at < len(line):
         sign = line[at]
@@ -184,7 +184,7 @@ def _tell_what_follows(file: str, number: int, line: str, at: int, findings: Fin
 
 
 def behind_comments(line: str, at: int, signs: str) -> int:
-    """Where words stand after the closed comments that begin at ``at``; the line's length where none do."""
+    """Where words are after the closed comments that start at ``at``; the line's length where there are none."""
     while at < len(line) and line[at] in _CLOSED_BY:
         closing = line.find(_CLOSED_BY[line[at]], at)
         if closing < 0:

@@ -3,7 +3,7 @@
 Source: WinCNC manual, "System Configuration: WINCNC.INI Settings". ``ini_keys`` says for every key what gproof makes of
 it, docs/dialects/wincnc.md where the manual is open. Keys without a bearing on a job are kept as text; one that is not
 known at all is kept and reported (GP602); one that is on and that gproof cannot follow goes into
-``Machine.not_modelled`` (GP605). Any other mistake is told at its line and column, and there is no Machine.
+``Machine.not_modelled`` (GP605). Any other mistake is reported at its line and column, and there is no Machine.
 """
 
 from __future__ import annotations

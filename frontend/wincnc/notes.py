@@ -1,6 +1,6 @@
 """The notes of a WinCNC file, read from its bytes when somebody prints it (manual: Comment, comchars=, skipchars=).
 
-Comments stand at the end of a line. They are kept with the signs that begin and end them, since a closing bracket may
+Comments are at the end of a line. They are kept with the signs that start and end them, since a closing bracket may
 be left out and a machine may have signs of its own. Lines that the controller leaves out are notes too.
 Plain lines go through a kernel, the others through ``line_notes``.
 """
@@ -137,7 +137,7 @@ class _Collector:
             self.kinds = table.array
 
     def plain(self, begin: int, end: int, line: int) -> None:
-        """The lines data[begin:end], all plain."""
+        """The lines ``data[begin:end]``, all plain."""
         if begin < end:
             room: list[Any] = [*self.columns.values(), self.out]
             self.count, self.used = self.run(self.data, begin, end, line, self.kinds, self.count, self.used, *room)

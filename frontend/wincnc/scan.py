@@ -2,7 +2,7 @@
 
 A plain line has only axis letters, I, J, K, R and F, each with a number or without (which counts as 0), at most G0 to
 G3 of the codes, and a comment that nothing but comments follows (manual: Command Reference, Axis Specification, G0,
-Comment). Which characters begin a comment, what a decimal point is and which codes a macro replaces is each machine's.
+Comment). Which characters start a comment, what a decimal point is and which codes a macro replaces is each machine's.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def _steps(codes: bool, open_names: bool) -> dict[str, dict[str, str]]:
 class Scanner:
     """The lines and words of a file with the settings of one machine.
 
-    codes: G0 to G3 may stand in plain lines; names: letters that may not begin one, as names of macros do; open_names:
+    codes: G0 to G3 may be in plain lines; names: letters that may not start one, as names of macros do; open_names:
     no line may start with two letters, since which names macros have is not known.
     """
 
@@ -117,11 +117,11 @@ class Scanner:
     open_names: bool = False
 
     def index(self, data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
-        """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
+        """Find the lines of ``data[begin:end]`` that are not plain; limit: characters that a line may have."""
         return index_lines(_automata(self), data, begin, limit, end)
 
     def scan(self, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
-        """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
+        """Words of the plain lines ``data[begin:end]`` whose first has number ``line``; see ``Program.load``."""
         return words.scan(word_bytes_of(self.lexical), data, begin, end, line, limit)
 
 

@@ -32,7 +32,7 @@ def scan_notes(
     at_size: Any,
     text: Any,
 ) -> tuple[int, int]:
-    """Read the comments of the plain lines data[begin:end], with their signs; ``begin`` starts line number ``line``.
+    """Read the comments of plain lines ``data[begin:end]``, with their signs; ``begin`` starts line number ``line``.
 
     kinds: what each byte is; at_*: columns of NOTE, of which ``count`` rows are in use; text: bytes of the notes, of
     which ``used`` are. Returns (rows in use, bytes in use).

@@ -1,6 +1,6 @@
 """Lines of WinCNC as statements: commands, calls, conditions on the next line, arrays, lines that macros replace.
 
-Manual: Command Reference; Macro File Configuration. A line has one command; what may stand beside it is in the table
+Manual: Command Reference; Macro File Configuration. A line has one command; what may be next to it is in the table
 of the dialect (``ir/dialects/wincnc/rules.py``).
 """
 
@@ -170,7 +170,7 @@ class Lines:
         return None
 
     def _no_macro_inside(self, items: Items) -> None:
-        """LineError GP113 for a name of CNC.MAC that does not begin its line: replaced or not, nobody says."""
+        """LineError GP113 for a name of CNC.MAC that does not start its line: whether it is replaced is not known."""
         command = self._command(items)
         for n, word in enumerate(items.words):
             value = word.value
@@ -226,7 +226,7 @@ class Lines:
         return Replaced(written=written, body=body, span=span, comment=comment, line=as_line, length=length)
 
     def _replaced_line(self, macro: Macro, code: str, begin: int, end: int, span: Span, inner: Parsed | None) -> Block:
-        """The line of a macro to be printed: its name, and words where what follows is nothing else."""
+        """The line of a macro to be printed: its name, and words where nothing but words follows."""
         name = Text(code[begin:end].rstrip(), Span(span.file, span.line, begin + 1, end + 1))
         rest = code[end:].strip()
         at = end + len(code[end:]) - len(code[end:].lstrip())
@@ -300,7 +300,7 @@ class Lines:
         if key is None:
             at = items.rest_at
             if self.open_files:
-                # Where the controller's own folder is not given, its files are not: that one is missing nobody knows.
+                # Where the controller's own folder is not given, a file that is not found may be in it.
                 what = f"the file {name}, which is not next to the job,"
                 raise LineError(codes.UNSUPPORTED_CODE, at, at + len(name), code=what, hint=self.open_files)
             raise LineError(codes.FILE_NOT_FOUND, at, at + len(name), name=name, where=self.files.where)
@@ -403,7 +403,7 @@ class FileFinder(Protocol):
 
 
 def _require_only(items: Items, rule: CodeRule, word: Word) -> None:
-    """LineError for what is in the line of a command and is none of its words."""
+    """LineError for what is in the line of a command and is not one of its words."""
     at = word.span.column - 1
     has_texts = rule.function is F.DIALOG
     for other in items.words:
