@@ -12,7 +12,7 @@ T = TypeVar("T")
 class Control:
     """Feed hold and emergency stop, requested at any moment and heard by the runtime at the next.
 
-    began: the run has started; signalled: a signal interrupted it; ending: why it ends at the next rest, or empty.
+    ``began``: the run has started; signalled: a signal interrupted it; ending: why it ends at the next rest, or empty.
     """
 
     def __init__(self) -> None:

@@ -148,7 +148,7 @@ def hold(
 
 @record(frozen=True, slots=True)
 class _Ramp:
-    """From tick ``begin`` at the latest to ``end``; q starts at ``q`` and goes the way of ``sign``."""
+    """From tick ``begin`` at the latest to ``end``; q starts at ``q`` and moves in the direction of ``sign``."""
 
     begin: int
     end: int

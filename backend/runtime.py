@@ -353,7 +353,7 @@ class _Walk:
         return report.verdict is Verdict.SAFE
 
     def _pace(self, is_: Capabilities, section: StreamSection) -> Pace:
-        """How far ahead to send. On a real board a feed hold is rehearsed while the motors still stand."""
+        """How far ahead to send. On a real board a feed hold is rehearsed while the motors are still at rest."""
         ticks = is_.tick_frequency
         began = time.monotonic()
         if is_.real_time:

@@ -61,9 +61,9 @@ class TimeMap:
         return found
 
     def pieces(self, end: int) -> list[tuple[int, int, bool]]:
-        """(begin, end, shifted) stretches of source ticks; ``shifted``: every tick there is equally late.
+        """``(begin, end, shifted)`` stretches of source ticks; ``shifted``: every tick there is equally late.
 
-        Stretches are (begin, end]; a rest ends one. The last reaches ``end``.
+        Stretches are ``(begin, end]``; a rest ends one. The last reaches ``end``.
         """
         found: list[tuple[int, int, bool]] = []
         stops = [*zip(self.source.tolist(), self.target.tolist(), strict=True)]

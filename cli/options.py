@@ -75,7 +75,7 @@ class OneOf(_NameType):
         return click.Choice(list(self._names()))
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The name; a usage error for what is none of them."""
+        """The name; a usage error for any other text."""
         return self._choice().convert(value, param, ctx)
 
     def get_metavar(self, *where: Any, **more: Any) -> str | None:

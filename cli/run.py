@@ -38,7 +38,7 @@ def run_run(
 ) -> int:  # fmt: skip
     """Check the package again, run it, print what came back; exit 0 only for a completed run.
 
-    trust, machine, setup, source: whom to believe beside the own keys, and what is at hand; allow_untrusted: nobody
+    trust, machine, setup, source: whom to believe besides the own keys, and what is at hand; allow_untrusted: nobody
     has to be believed, on the virtual board. runs: where the journal is kept; after_interruption, replace_record:
     answers given beforehand (``run_journal.settled``, ``require_record_place``).
     """

@@ -337,7 +337,7 @@ def _made_by_the_run(
     """The record that a run wrote itself when its journal took nothing more, and where; None when there is none.
 
     It is one that the own key has signed, of the run that started when the journal says, and that says how it ended.
-    told: what the journal alone says.
+    ``told``: what the journal alone says.
     """
     from gproof.backend.record_data import Result
     from gproof.backend.record_parse import LARGEST, parse_signed

@@ -69,7 +69,7 @@ def find_jobs(
 
 
 def is_several(names: Sequence[str]) -> bool:
-    """Whether names may be for more, or for something else, than one file with a program."""
+    """Whether names may be for more than, or for other things than, one file with a program."""
     path = Path(names[0])
     if not names[0]:
         return True

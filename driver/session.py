@@ -115,7 +115,7 @@ def open_session(
 
 
 def _call_only(program: Program, name: str, job: Path) -> None:
-    """Make the program one call of a subprogram; UsageError when there is none of that name."""
+    """Make the program one call of a subprogram; UsageError when no subprogram has that name."""
     if name.lower() not in program.subprograms:
         known = ", ".join(sorted(program.subprograms))
         there = f"it has {known}" if known else "it has no subprograms"

@@ -74,7 +74,7 @@ def _signs(data: bytes) -> Iterator[int]:
 
 
 def _feeds(data: bytes, begin: int, end: int) -> int:
-    """How many lines end in data[begin:end]."""
+    """How many lines end in ``data[begin:end]``."""
     return sum(data[at : min(at + _PIECE, end)].count(b"\n") for at in range(begin, end, _PIECE))
 
 

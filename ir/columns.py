@@ -101,7 +101,7 @@ ENOUGH = 1 << 16
 
 
 def batches(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Tables of so many rows, in groups of neighbours begin..end that have about ``ENOUGH`` rows together.
+    """Tables of so many rows, in groups of neighbours ``begin..end`` that have about ``ENOUGH`` rows together.
 
     A table of many rows is a group of its own, so that what is copied to be looked at together stays small.
     """

@@ -135,7 +135,7 @@ def whole_may_fail(operator: str, x: Range, y: Range) -> bool:
 def whole_binary(operator: str, x: Range, y: Range) -> Range | None:
     """The range of ``x operator y`` for whole numbers, which is whole; None where that is not known.
 
-    Of remainders of negative numbers every rule is counted in: with the sign of either number, or never negative.
+    Of remainders of negative numbers every rule counts: with the sign of either number, or never negative.
     """
     (a, b), (c, d) = x, y
     if operator in ("rem", "mod") and max(abs(c), abs(d)) < _EXACT and not max(abs(a), abs(b)) < _EXACT:

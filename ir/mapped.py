@@ -10,7 +10,7 @@ PIECE = 1 << 20
 
 
 def forget(data: object, begin: int, end: int) -> None:
-    """Let go of data[begin:end] where ``data`` is mapped: whoever reads it again gets it from the disk's cache."""
+    """Let go of ``data[begin:end]`` where ``data`` is mapped: whoever reads it again gets it from the disk's cache."""
     if not isinstance(data, mmap.mmap) or not hasattr(data, "madvise") or end <= begin:
         return
     first = begin // mmap.PAGESIZE * mmap.PAGESIZE

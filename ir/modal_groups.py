@@ -35,7 +35,7 @@ MOVES = frozenset((
     F.BORE_STOP, F.BORE_DWELL, F.BORE_BACK, F.BORE_MANUAL, F.TAP_RIGHT, F.TAP_LEFT, F.PROBE, F.SYNCHRONISED,
     F.SYNCHRONISED_RETURN, F.THREADING, F.TRAVERSE_LIFTED, F.MACHINE_TRAVERSE, F.PARK_1, F.PARK_2,
 ))  # fmt: skip
-"""Functions that send axes somewhere by words that count in the modes in force."""
+"""Functions that send axes somewhere by words read in the modes in force."""
 
 _NOTHING: tuple[str, ...] = ()
 

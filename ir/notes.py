@@ -24,7 +24,7 @@ class NoteKind(enum.IntEnum):
     LINE_NUMBER: the digits, as written; DELETE: the block delete sign of the line (no text); MARK: the sign that
     some controllers have at the start or end of a program, alone on its line, whose text is the name
     after it where the language has such names; COMMENT: enclosed; REMARK: to the end of the line; ENCODING: of the
-    line's bytes, where it is not UTF-8 and the line has texts; SIGNED: a comment with the signs that begin and end it;
+    line's bytes, where it is not UTF-8 and the line has texts; SIGNED: a comment with the signs that start and end it;
     LEFT_OUT: a whole line that the controller, or gproof, does not read; PASCAL: the line has text of the language that
     is among the blocks of the controller (no text).
     """
@@ -100,4 +100,4 @@ def joined(parts: list[Notes]) -> Notes:
 
 
 Annotate = Callable[[bytes, int, int, int], tuple[Notes, int, int]]
-"""(data, begin, line, limit) -> (notes, next byte, next line); see ``Program.load_notes``."""
+"""``(data, begin, line, limit)`` -> (notes, next byte, next line); see ``Program.load_notes``."""

@@ -2,7 +2,7 @@
 
 One walk over a value, by its types: each number is finite and in a stated range, that of its field where the tables
 below name it, else of its kind. NaN and infinity stand only where the field's documentation gives them a meaning. What
-is in range can be squared, scaled by resolutions and counted in ticks within doubles and 64 bits; a value that is no
+is in range can be squared, scaled by resolutions and converted to ticks within doubles and 64 bits; a value that is no
 sense (a tool of -3 mm) is the business of who uses it.
 """
 

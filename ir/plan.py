@@ -22,7 +22,7 @@ PLAN_ROW = Schema(
     Column("exit", "f8"),
     Column("acceleration", "f8"),
 )
-"""row: index in the trace section, in several lines where a row is followed in parts; begin, duration: seconds from
+"""row: index in the trace section, in several lines where a row is followed in parts; ``begin``, duration: seconds from
 the section's start; length: path length
 (0 for a dwell); entry, cruise, exit: path velocities; acceleration: path acceleration of both ramps."""
 

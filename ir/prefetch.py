@@ -1,4 +1,4 @@
-"""Long jobs use a second processor: the next piece of a table is read, and the motion is timed, beside the main run.
+"""Long jobs use a second processor: the next piece of a table is read, and the motion is timed, next to the main run.
 
 Compiled kernels run without the interpreter's lock. What is done here depends on its arguments alone and is taken over
 in the order of the job, so that the answer is the same byte for byte with one processor and with several; a mistake

@@ -1,7 +1,7 @@
 """Folders that nobody but their owner can write: what is kept in them is run, or decides how text is read.
 
 Whoever can put a file there makes the checker say what he likes. So a folder counts as private when it is a folder of
-the user's own without write permission for anybody else, no symbolic link, and when nobody else can put another one in
+the user's own without write permission for other users, no symbolic link, and when nobody else can put another one in
 its place: each folder above it, up to the root, belongs to the user or to the system's administrator and is not
 writable by others, or is sticky (as ``/tmp``), where only owners move what is theirs. Symbolic links above it are
 followed when they and where they lie pass the same. Access control lists are not looked at.

@@ -160,7 +160,7 @@ class SourceFile:
 
 
 Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
-"""(data, begin, end, first line, limit) -> (words, next byte, next line); see ``Program.load``."""
+"""``(data, begin, end, first line, limit)`` -> (words, next byte, next line); see ``Program.load``."""
 
 
 @record(frozen=True, slots=True)
@@ -229,7 +229,7 @@ class Program:
     def load_notes(self, file: int, begin: int, line: int, limit: int) -> tuple[Notes, int, int]:
         """Notes of a file from byte ``begin`` (which starts line ``line``), of at most about ``limit`` bytes.
 
-        Returns (notes, byte and line where the next call goes on); begin with byte 0 and line 1, end after line
+        Returns (notes, byte and line where the next call goes on); start with byte 0 and line 1, end after line
         ``line_count``. They are read when somebody asks, so that a program which is only executed costs nothing.
         """
         source = self.files[file]

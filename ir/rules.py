@@ -239,8 +239,8 @@ class CodeRule:
     """One code. group: modal group, as the manual names it ("" for codes it lists in none);
     uses_axes: takes the line's axis words; value: argument of the function (coordinate system, head);
     source: section of the manual; open: of a code that is not modelled, what the manual leaves open.
-    Where a line has one command: takes: letters of the words it takes beside those of the axes, needs: those it must
-    have; companion: it may stand beside another command; device: what must be set up for it; has_text: its line has a
+    Where a line has one command: takes: letters of the words it takes besides those of the axes, needs: those it must
+    have; companion: it can be next to another command; device: what must be set up for it; has_text: its line has a
     name or another text after it; ranges: (letter, least, most) of words."""
 
     letter: str

@@ -48,7 +48,7 @@ _BITS = struct.Struct("<d")
 
 @functools.cache
 def _field_names(kind: type) -> tuple[str, ...]:
-    """Of a dataclass, those that are part of its value; none of anything else."""
+    """Of a dataclass, those that are part of its value; of another type, none."""
     fields = dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ()
     return tuple(field.name for field in fields if field.compare)
 

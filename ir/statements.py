@@ -492,7 +492,7 @@ class BlockTable:
     """Successive plain lines of one file.
 
     The words are not held here but scanned when they run (``Program.load``), so that a table of millions of
-    lines costs nothing before. first_line, last_line: inclusive; begin, end: byte range of the file;
+    lines costs nothing before. first_line, last_line: inclusive; ``begin``, ``end``: byte range of the file;
     words: WORD columns with offsets from ``begin`` when the table is small or was loaded, else None.
     continued: see Block, for its first line; distances: see Block, for all of them.
     """

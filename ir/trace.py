@@ -376,7 +376,7 @@ def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
 class Chunk:
     """Some successive rows of a section while a job streams by.
 
-    begin: index of its first row in the section; start, start_frame: position before its first row;
+    ``begin``: index of its first row in the section; start, start_frame: position before its first row;
     last: True when the section ends with it; expected: how many more rows a kernel can count on from here than
     earlier chunks have reported, -1 when nobody reckons: its own. Tables (frames, states ...) are those of ``trace``,
     which grows.

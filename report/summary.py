@@ -315,7 +315,7 @@ _WHY_OTHER = {0: " (accepted)", Verdict.UNKNOWN.exit_code: " (accepted, except w
 
 
 def _verdict_line(session: Session, judgement: Judgement, code: int, condition: str) -> str:
-    """``job.cnc: UNKNOWN (accepted)``: the verdict, and where the exit code says something else, why.
+    """``job.cnc: UNKNOWN (accepted)``: the verdict, and where the exit code differs, why.
 
     condition: what follows ``SAFE if`` where the SAFE has conditions.
     """

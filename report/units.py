@@ -46,7 +46,7 @@ class LengthUnit:
     rough: int
 
     def of(self, millimetres: float, axis_unit: str = "mm") -> float:
-        """A number of an axis that counts in ``axis_unit`` (mm or deg), in this unit or degrees."""
+        """A number of an axis whose unit is ``axis_unit`` (mm or deg), in this unit or degrees."""
         return millimetres if axis_unit != "mm" or self.mm == 1 else millimetres / float(self.mm)
 
     def named(self, axis_unit: str) -> str:

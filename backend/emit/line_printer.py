@@ -95,7 +95,7 @@ class LinePrinter:
         return b"".join([*parts, text[at:]])
 
     def as_written(self, line: int, length: int) -> bytes:
-        """A line that would be too long for the controller, or mean something else, stays as it is."""
+        """A line that would be too long for the controller, or have another meaning, stays as it is."""
         text = self.written.line(line)
         if text is None:
             raise self.refusal(Span(self.source.name, line), f"a line of {length} characters")

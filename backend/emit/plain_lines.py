@@ -32,7 +32,7 @@ def plain_lines(
     """The lines first..last with these words and notes.
 
     limit: bytes that a line may have without its end; kept: bytes with which none may start; two_digits: codes
-    below 10 have a zero before them. Returns the text and, of the lines that are longer or start so, the number, begin
+    below 10 have a zero before them. Returns the text and, of the lines that are longer or start so, the number, start
     and end (without the line's end) in the text.
     """
     lines = last - first + 1

@@ -55,7 +55,7 @@ def count_decimals(values: Any, powers: Any, decimals: Any) -> int:
 class Layout(NamedTuple):
     """indent: blanks before the first word or comment; limit: bytes that a line may have; returns: 1 for lines that end
     in CR LF; two_digits: 1 where a G code has two digits at least; kept: ``kept_size`` bytes with which no line may
-    begin."""
+    start."""
 
     indent: int
     limit: int
@@ -80,7 +80,7 @@ class PrintedWords(NamedTuple):
 
 
 class PrintedNotes(NamedTuple):
-    """Columns of notes; text: where their texts are, from begin on, so many bytes."""
+    """Columns of notes; text: where their texts are, from the start on, so many bytes."""
 
     line: Any
     place: Any
@@ -92,7 +92,7 @@ class PrintedNotes(NamedTuple):
 
 
 class LongLines(NamedTuple):
-    """Gets number, begin and end in the text of lines that are too long, or that start with what none may."""
+    """Gets number, start and end in the text of lines that are too long, or that start with what none may."""
 
     line: Any
     begin: Any

@@ -1,4 +1,4 @@
-"""How far beside an arc a controller may bring the tool: its own chords, and arcs that it takes for lines."""
+"""How far from an arc a controller may bring the tool: its own chords, and arcs that it takes for lines."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def chord_error(machine: Machine) -> float:
 
 
 def small_arcs(machine: Machine, start: Floats, center: Floats, plane: npt.NDArray[np.uint8]) -> Floats:
-    """(n,) mm by which a line in place of an arc below the controller's smallest one may be beside it.
+    """(n,) mm by which a line in place of an arc below the controller's smallest one may be off it.
 
     start, center: (n, 3); plane: (n,) as in the Trace. WinCNC, ``arc_min=``.
     """

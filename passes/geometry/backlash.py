@@ -1,4 +1,4 @@
-"""How a motor takes up its backlash in a stream: by how many steps, and how fast beside what its axis does.
+"""How a motor takes up its backlash in a stream: by how many steps, and how fast compared with what its axis does.
 
 The Eding CNC manual (2.1.5) says that compensation asks more of a motor's acceleration and leaves open how much. Here
 the motor keeps its greatest acceleration: a share of it is for the backlash, and the axis is planned with the rest.

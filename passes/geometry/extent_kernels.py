@@ -40,7 +40,7 @@ def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple
     """Extremes of an arc about the origin from (u0, v0) to (u1, v1): (low u, high u, low v, high v, sweep).
 
     The plane's pair is right-handed; counter-clockwise for positive turns. Where the two radii differ
-    the larger one counts at the quarters that the arc passes. One that begins or ends beside a quarter and grows away
+    the larger one counts at the quarters that the arc passes. One that starts or ends next to a quarter and grows away
     from it goes further than its end (``swelling``), so the box is never too small.
     """
     start = math.atan2(v0, u0)
@@ -66,7 +66,7 @@ def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple
             ahead -= TWO_PI
         reach = radius
         if not whole and ahead > sweep:
-            # How far behind the quarter it begins, or before it ends, seen from that end.
+            # How far after the quarter it starts, or before it ends, seen from that end.
             past = TWO_PI - ahead if growth > 0.0 else ahead - sweep
             own = first if growth > 0.0 else last
             if past * own >= abs(growth):

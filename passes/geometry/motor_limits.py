@@ -1,7 +1,7 @@
 """How far an axis may go before one of its motors, or what it turns, is past a limit.
 
 Takes a Machine and a Setup; gives, for each axis, what its limits leave of its programmed positions. Slave motors
-have limits of their own; pitch and backlash compensation carry a motor beside its axis; with the Y to A mapping
+have limits of their own; pitch and backlash compensation carry a motor away from its axis; with the Y to A mapping
 the limits of A hold for Y. Eding CNC manual 2.1.3, 2.1.5, 2.3, 2.2.5.4; docs/kinematics.md derives the bounds.
 """
 

@@ -1,4 +1,4 @@
-"""How far the tool may be beside the programmed path, for every check that looks at where the tool is.
+"""How far the tool may be off the programmed path, for every check that looks at where the tool is.
 
 Takes a Machine and the ``State`` of rows. Backlash moves the tool: an axis whose motor turns round stays after until
 it is taken up, or for good where nothing compensates it (Eding CNC manual 2.1.5; WinCNC, L8, L9, backlash=).
@@ -19,12 +19,12 @@ BACKLASH = "axis backlash"
 NO_TOLERANCE = "G64 without P does not round corners"
 ROUNDED = "the corner rounding of the controller (P, Q)"
 _AS_FAR = 1e5
-"""mm: further than any machine goes, for a tolerance that nobody knows."""
+"""mm: further than any machine goes, for a tolerance that is not known."""
 
 
 @record(frozen=True, slots=True)
 class OffPath:
-    """mm that the tool may be beside its path.
+    """mm that the tool may be off its path.
 
     around: in X and Y together; above: in Z, up or down; distance: in space; causes: why, in words.
     """
@@ -36,7 +36,7 @@ class OffPath:
 
 
 def off_path(machine: Machine, state: State) -> OffPath:
-    """What machine and program let the tool be beside the path in rows of a state."""
+    """What machine and program let the tool be off the path in rows of a state."""
     x, y, z = (_backlash(machine, state, column) for column in range(3))
     around, distance = math.hypot(x, y), math.hypot(x, y, z)
     blend = max(0.0, state.simplify)

@@ -32,7 +32,7 @@ def motor_positions(table: PitchTable, axis: Floats) -> Floats:
 
 
 def _map(at: Floats, source: tuple[float, ...], target: tuple[float, ...]) -> Floats:
-    """Linear between points, beside them shifted as the nearest end is."""
+    """Linear between points, outside them shifted as the nearest end is."""
     x, y = np.array(source), np.array(target)
     inside = np.interp(at, x, y)
     inside = np.where(at < x[0], at + (y[0] - x[0]), inside)
@@ -53,7 +53,7 @@ def exact_motor_position(table: PitchTable, axis: float) -> Fraction:
 
 
 def steepest(table: PitchTable) -> float:
-    """Motor travel for one unit of axis travel, at most; at least 1, which holds beside the table."""
+    """Motor travel for one unit of axis travel, at most; at least 1, which holds outside the table."""
     x, y = np.array(table.calibrated), np.array(table.machine)
     slopes: list[float] = (np.diff(y) / np.diff(x)).tolist()
     return max([1.0, *slopes])

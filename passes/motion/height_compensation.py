@@ -132,7 +132,7 @@ class _Lift:
         self.start_on = self._start_on(height_map.on)
 
     def _start_on(self, first: bool) -> list[bool]:
-        """By section, whether the map is on at its beginning: as a section before it left it."""
+        """By section, whether the map is on at its start: as a section before it left it."""
         before: list[bool | None] = [None] * len(self.trace.sections)
         before[:1] = [first]
         for section in self._in_order():

@@ -56,7 +56,7 @@ NEVER = 2.0
 
 @kernel(seconds_per_unit=1e-6)
 def height(u: float, v: float, heights: Floats) -> float:
-    """Bilinear at (u, v) cells from the first point, as on the edge for points beside it; exact in a flat cell."""
+    """Bilinear at (u, v) cells from the first point, as on the edge for points outside; exact in a flat cell."""
     ny, nx = int(heights.shape[0]), int(heights.shape[1])
     u = min(max(u, 0.0), float(nx - 1))
     v = min(max(v, 0.0), float(ny - 1))
@@ -121,7 +121,7 @@ VERTEX_WIDTH = 6
 
 @kernel(seconds_per_unit=1e-6)
 def begin_line(share: float, z: float, line: Floats) -> None:
-    """A line begins at a vertex."""
+    """A line starts at a vertex."""
     line[V_SHARE] = line[V_LAST_SHARE] = share
     line[V_Z] = line[V_LAST_Z] = z
     line[V_LOW] = -math.inf

@@ -41,7 +41,7 @@ STRAIGHT = 1e-9
 NOTHING_JOINED = np.zeros(0, dtype=np.uint8)
 
 _NOT_LIMITED = 1e-9
-"""1 / velocity and 1 / acceleration of an axis of which nobody stated them."""
+"""1 / velocity and 1 / acceleration of an axis for which they are not stated."""
 
 
 def shortest_interval(machine: Machine) -> int:
@@ -135,7 +135,7 @@ class _Tables:
             self.chords = np.concatenate([self.chords, np.array(more, dtype=np.float64)])
 
     def _number(self, frame: Frame) -> int:
-        # Places beside a contour are not apart by what their contour is.
+        # Places next to a contour do not differ by what their contour does.
         if any(symbol == UNKNOWN[0][0] or symbol.startswith(BESIDE) for form in frame for symbol, _ in form):
             return -1
         return self._numbers.setdefault(frame, len(self._numbers))
@@ -330,7 +330,7 @@ def plan(
 
 
 def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Findings) -> None:
-    """GP502 for axes whose greatest velocity asks for more steps a second than there may be."""
+    """GP502 for axes whose greatest velocity needs more steps a second than are allowed."""
     for axis in machine.axes:
         allowed = allowed_velocity(axis, machine)
         if axis.name not in moved or allowed is None:

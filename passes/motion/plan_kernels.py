@@ -1,7 +1,7 @@
 """Velocity along the path: limits of each row, corners, look-ahead, time. Used by ``plan`` and ``MotionEstimate``.
 
 ``measure`` walks the rows of a trace once and fills a queue; ``settle`` turns the queue's finished part into
-velocities and times. Between the two lies the look-ahead: a forward pass, which ``measure`` makes as it
+velocities and times. Between the two is the look-ahead: a forward pass, which ``measure`` makes as it
 goes, and a backward pass in ``settle``. Speeds are kept as squares, so that both passes only add and compare:
 over a length L with acceleration a the square of the speed changes by at most 2 a L.
 
@@ -54,7 +54,7 @@ ROTARY = 32.0
 CARRY_WIDTH = 17
 
 SPINDLE_UNSEEN = 2.0
-"""The spindle's direction where a section begins: none that a start could not be a change from."""
+"""The spindle's direction where a section starts: none that a start could not be a change from."""
 
 # Kinds of notes; N_COUNT of them are counted, the first ones kept with their row and axis.
 N_UNKNOWN, N_FEED, N_OVER, N_DWELL = 0, 1, 2, 3
@@ -203,7 +203,7 @@ class PlannedRows(NamedTuple):
 
 class PlanRules(NamedTuple):
     """What holds for all rows. forms: what stands for each frame, equal numbers for equal unknowns, -1 where a
-    difference can not be known; chords: for each state the square of the largest change of direction that passes
+    difference cannot be known; chords: for each state the square of the largest change of direction that passes
     without a stop, -1 for none; limits: (2, 6) 1 / velocity and 1 / acceleration; period: the interpolation time; ramp:
     seconds after a spindle start or reversal."""
 
@@ -436,7 +436,7 @@ def measure(
 def settle(queue: Floats, used: int, closed: bool, totals: Floats, out: Floats) -> int:
     """Final speeds and times of the queue's lines that can be final; returns how many those are.
 
-    closed: what follows the last line begins at rest. Otherwise a line is final when a stop right after the
+    closed: what follows the last line starts at rest. Otherwise a line is final when a stop right after the
     queue would not change it: the backward pass from rest has then met the forward pass, which is the most
     that is possible. totals: see T_*, added to. out: (used, 8) see P_*, or no lines when only totals are wanted.
     """

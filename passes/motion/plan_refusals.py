@@ -1,7 +1,7 @@
 """Why a job has no plan: GP503 for places, feeds and times that are not numbers, GP504 for axes without data.
 
-Each cause is told once, at the first line that has it, with what would help (``motion_hints``); what only follows
-from another refusal (a place after a probe's contact, where outcomes of a condition meet) is not told again.
+Each cause is reported once, at the first line that has it, with what would help (``motion_hints``); what only follows
+from another refusal (a place after a probe's contact, where outcomes of a condition meet) is not reported again.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ class Refusals:
     # ---- waits
 
     def _open_loop(self, section: TraceSection) -> bool:
-        """True when nothing but the operator ends the section: a stream of steps can wait for nothing else."""
+        """True when nothing but the operator ends the section: that is all a stream of steps can wait for."""
         for edge in section.edges:
             if edge.wait not in hints.WAITS:
                 continue
@@ -186,7 +186,7 @@ class Refusals:
             elif self._never_ends(section.number, edge.target):
                 self._needs(self._at(edge), *hints.ENDLESS)
             else:
-                self._left.append(edge)  # outcomes meet: where they part is told
+                self._left.append(edge)  # outcomes meet: where they part is reported
             return False
         return True
 

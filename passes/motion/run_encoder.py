@@ -165,7 +165,7 @@ class Encoder:
 class BacklashEncoder(Encoder):
     """Steps of an axis into runs of a motor that takes up its backlash.
 
-    ``steps`` is what the axis asks for; the motor's own steps wait in a buffer of their own. Where a section starts
+    ``steps`` is what the axis needs; the motor's own steps wait in a buffer of their own. Where a section starts
     and ends, the motor is as it does when its axis came from below.
     """
 

@@ -30,8 +30,8 @@ def bounds(
 ) -> None:  # fmt: skip
     """Where each step may go: low, high (count,), so that the steps can always be placed ``near`` or ``turn`` apart.
 
-    before: tick of the step before the first; floor, ceiling: nothing goes before or behind these, unless it is
-    there. A step moves by 9/20 of the shorter of the two intervals beside it, and by ``tolerance``, at most.
+    before: tick of the step before the first; floor, ceiling: no step moves before or after these, unless it is
+    there. A step moves by 9/20 of the shorter of the two intervals next to it, and by ``tolerance``, at most.
     """
     later = 0
     for k in range(count - 1, -1, -1):

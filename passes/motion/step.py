@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 TOLERANCE = 25e-6
-"""Seconds that compression may move a step, at most; also at most 9/20 of the intervals beside it."""
+"""Seconds that compression may move a step, at most; also at most 9/20 of the intervals next to it."""
 
 _FARTHEST = 1e15
 """Steps or ticks: beyond this a float64 does not tell halves apart."""
@@ -373,7 +373,7 @@ class _Steps:
         return float(lines + (2.0 * turns * self.motor[:, k.M_RADIUS] * abs(self.rate)).sum())
 
     def run(self, first: int, last: int, origin: int, floor: int, end: int) -> int:
-        """Motion rows first..last-1, which begin at tick ``origin`` at rest; returns the tick of the last step."""
+        """Motion rows first..last-1, which start at tick ``origin`` at rest; returns the tick of the last step."""
         near, turn, _ = self.stepper.spacing
         self.encoder.begin(floor)
         while True:

@@ -49,7 +49,7 @@ CLOSE = 1e-12
 @kernel(seconds_per_unit=1e-6)
 def time_at(s: float, length: float, duration: float, entry: float, cruise: float, leave: float, a: float,
             up: float, down: float) -> float:  # fmt: skip
-    """Seconds after the row's begin at which its path is ``s`` long; up, down: where the ramps end and begin."""
+    """Seconds after the row's start at which its path is ``s`` long; up, down: where the ramps end and start."""
     if s <= 0.0:
         return 0.0
     if s >= length:
@@ -142,7 +142,7 @@ def crossing(level: float, rate: float, center: float, angle: float, radius: flo
 def through(at: float, knots: Floats, source: int) -> float:
     """A position in steps through a pitch map, from column ``source`` of its knots to the other one.
 
-    knots: (k, 2) the motor's and the axis's position at each point, both rising; beside them the shift stays. Without
+    knots: (k, 2) the motor's and the axis's position at each point, both rising; outside them the shift stays. Without
     knots the motor is where its axis is.
     """
     last = len(knots) - 1
@@ -173,7 +173,7 @@ def step_times(
 
     What fitted of that row is done and kept in ``state``: the next call, with room in ``ticks``, goes on there.
 
-    profile: (n, 7) R_*, begin relative to tick ``origin``; motor: (n, 7) M_*; target: (n,) count at the end of
+    profile: (n, 7) R_*, start relative to tick ``origin``; motor: (n, 7) M_*; target: (n,) count at the end of
     each row; rate: steps a unit, signed; frequency: ticks a second; state: S_*, kept from call to call; knots: the
     pitch map, see ``through``. What ``motor`` holds are steps of the axis.
     """
@@ -406,7 +406,7 @@ def take_up(
     ticks_in, signs_in: the axis's, of which first..last-1 are taken as far as there is room; amount: steps of
     backlash; up: the direction in which none is to be taken up; fastest, a: how that is done, in steps a tick and a
     tick squared; backlash: B_*, state: S_* of the motor, both kept from call to call. Where the axis turns round, the
-    motor's additional steps begin so early that they are done in time if the axis stood still for long enough, else
+    motor's additional steps start so early that they are done in time if the axis was at rest for long enough, else
     as soon as the axis has made its last step.
     """
     whole = 2.0 * math.sqrt(amount / a)

@@ -431,7 +431,7 @@ class _Sheet:
                 self.used.add("feed" if feed else "traverse")
 
     def _line(self, view: _View, begin: int, stop: int) -> str:
-        """The moves to points begin ... stop - 1; points closer than a tenth of a pixel are left out."""
+        """The moves to points ``begin ... stop - 1``; points closer than a tenth of a pixel are left out."""
         x, y = view.page(self.scene.points.at[begin - 1 : stop].astype(float))
         texts = [f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True)]
         kept = texts[:1] + [b for a, b in itertools.pairwise(texts) if a != b]
@@ -566,7 +566,7 @@ def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float,
 
 
 def _runs(drawn: np.ndarray, kind: np.ndarray) -> list[tuple[int, int]]:
-    """(begin, stop) of maximal stretches of moves that are drawn and of one kind."""
+    """``(begin, stop)`` of maximal stretches of moves that are drawn and of one kind."""
     if not len(drawn):
         return []
     change = np.flatnonzero((drawn[1:] != drawn[:-1]) | (kind[1:] != kind[:-1])) + 1

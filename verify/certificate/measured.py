@@ -239,7 +239,7 @@ def _reference(place: Place, conditions: Sequence[Condition], setup: Setup) -> f
 
 
 def _of_form(condition: Condition, place: Place, setup: Setup) -> tuple[int, float]:
-    """A condition as count x form + shift, the start being where the stream starts; (0, 0) when it is none of it.
+    """A condition as count x form + shift, the start being where the stream starts; (0, 0) when it has no such form.
 
     Of offsets that are bounded, and that a condition has no term of, the middle counts.
     """

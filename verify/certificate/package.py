@@ -49,7 +49,7 @@ FORMAT = "gproof-certificate/4"
 SCHEMAS = {"machine": 1, "setup": 1, "stream": 1, "trace": 1}
 """By part the number of its schema: the types of its text with their fields and defaults, the columns of its tables.
 
-It rises when an older text would say something else, or nothing, to this version; a field that is added with a default
+It rises when an older text would have another meaning, or none, to this version; a field that is added with a default
 raises none. tests/ir/schemas.md has what each number stands for.
 """
 MEMBER_LIMIT = FILE_LIMIT

@@ -57,7 +57,7 @@ def today() -> datetime.date:
 
 
 def signed_by(raw: bytes, signers: Iterable[bytes | Signer]) -> Signer | None:
-    """What is known of a key: that it is revoked before all else, and the earliest last day; None: nothing."""
+    """What is known of a key: first of all that it is revoked, and the earliest last day; None: nothing."""
     known = [one if isinstance(one, Signer) else Signer(raw=one) for one in signers]
     mine = [one for one in known if one.raw == raw]
     for one in mine:

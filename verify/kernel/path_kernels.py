@@ -40,7 +40,7 @@ LAST_MOTION_OP = 4
 
 # What ``Walk.ints`` holds.
 ROW, PIECE, PIECES, BARRIER = 0, 1, 2, 3  # row being made or next, next piece of it, pieces in it (0: none), next event
-HEAD, TAIL, FRONT, DONE = 4, 5, 6, 7  # window begin and end, last reachable piece, 1: all that was made is reachable
+HEAD, TAIL, FRONT, DONE = 4, 5, 6, 7  # window start and end, last reachable piece, 1: all that was made is reachable
 FIRST, SECOND, NOTED = 8, 9, 10  # the row's arc axes (-1: a line); problems kept
 INTS = 11
 
@@ -50,7 +50,7 @@ R0, R1, ANGLE, SWEEP, CENTER_0, CENTER_1, COS, SIN, SHARE, TIME = 0, 1, 2, 3, 4,
 MORE = 10  # what the open row adds to the tolerance
 REALS = 11
 
-# What ``Walk.place`` holds: the path made so far, the end of the next piece, begin and end of the row.
+# What ``Walk.place`` holds: the path made so far, the end of the next piece, start and end of the row.
 HERE, NEXT, ORIGIN, GOAL = 0, 1, 2, 3
 PLACES = 4
 

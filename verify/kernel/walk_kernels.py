@@ -74,8 +74,8 @@ KEPT = 8
 """Places kept of each problem; all are counted."""
 
 # What ``Cursor.now`` holds: 1: nothing more to follow; 1: an axis lags; 1: more is near than the window holds; place in
-# the rings; samples without a step; steps made, and at the last sample; next event; tick up to which motors stand
-# still; tick of the last rest; tick of the next sample.
+# the rings; samples without a step; steps made, and at the last sample; next event; tick up to which motors are
+# at rest; tick of the last rest; tick of the next sample.
 OVER, LAGGING, DENSE, AT, QUIET, STEPS, SAMPLED, EVENT, STILL, REST, EDGE = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
 NOW = 11
 

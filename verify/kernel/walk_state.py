@@ -1,4 +1,4 @@
-"""What the walk over a section works on: the section's arrays, and what changes along the way.
+"""What the walk over a section works on: the section's arrays, and what changes along the path.
 
 Some arrays have fixed places for numbers, because compiled code reads them fastest so: path_kernels.py and
 walk_kernels.py name them.
@@ -31,7 +31,7 @@ class Rows(NamedTuple):
 
 
 class Motors(NamedTuple):
-    """By motor; speed, acceleration: (3, motors) greatest counts in the windows of ``SPANS``; knots: of all pitch
+    """By motor; speed, acceleration: (3, motors) greatest counts within the windows of ``SPANS``; knots: of all pitch
     tables, motor m has those from first_knot[m] to first_knot[m + 1]; slack: steps from the flank at which the axis
     comes from below to the other one, signed as they are counted; patience: ticks for which the axis may lag
     the path after the motor turned round."""
@@ -81,7 +81,7 @@ class Times(NamedTuple):
 
 
 class Window(NamedTuple):
-    """Pieces of path. line: (pieces, motors, 3) BEGIN, EXTENT, INVERSE; reach: (pieces, 5) FROM, TO: the
+    """Pieces of path. line: (pieces, motors, 3) ``BEGIN``, ``EXTENT``, ``INVERSE``; reach: (pieces, 5) FROM, TO: the
     reachable interval, BEFORE, SECONDS: at full feed before the piece and in it, SLACK: what rounding and chords add
     to the tolerance; top: (pieces, motors) of a reachable piece up to where each motor is near; row: of the trace."""
 
@@ -92,7 +92,7 @@ class Window(NamedTuple):
 
 
 class Walk(NamedTuple):
-    """What changes along the way. place: (PLACES, 6) positions; turns: (6, motors) last direction and number of
+    """What changes along the path. place: (PLACES, 6) positions; turns: (6, motors) last direction and number of
     reversals since the last rest, of the path and of the axis; the same of a motor with backlash, the number first."""
 
     ints: Ints

@@ -55,7 +55,7 @@ class Printer(ExpressionPrinter):
             before = node
 
     def procedure(self, node: Subprogram) -> Iterator[Piece]:
-        """procedure name(parameters); declarations; begin ... end;"""
+        """``procedure name(parameters); declarations; begin ... end;``"""
         texts = []
         for name, type_, _ in node.parameters:
             word = "var " if type_.startswith("var ") else ""
@@ -203,7 +203,7 @@ def first_number(node: Statement | Subprogram) -> int | None:
 
 
 def _is_single(body: Sequence[Statement]) -> bool:
-    """Whether a list can be written without begin and end: labels, and at most one statement after them."""
+    """Whether a list can be written without ``begin`` and ``end``: labels, and at most one statement after them."""
     return all(isinstance(node, Label) for node in body[:-1])
 
 

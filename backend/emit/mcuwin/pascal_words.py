@@ -35,7 +35,7 @@ _TEXTS = frozenset(("axis", "name", "number"))
 
 class PascalWord(NamedTuple):
     """kind: ``sign`` ($DINEND, {$DINSTART}), ``axis``, ``name``, ``number``, ``string``, ``comment``, ``op`` or
-    ``other``; low: text in lower case; begin, end: its characters in the line, from 0."""
+    ``other``; low: text in lower case; ``begin``, ``end``: its characters in the line, from 0."""
 
     kind: str
     text: str

@@ -66,7 +66,7 @@ class DrillSettings:
 class Lexical:
     """How lines are read.
 
-    comment_signs: characters beside those of the language that start a comment; skips: (characters, count): a line
+    comment_signs: characters besides those of the language that start a comment; skips: (characters, count): a line
     that starts with one of them makes so many lines be left out; comma: a comma is a decimal point too; continued:
     words after a closed comment are executed; numbered: lines may have numbers of their own (both: ``accepts`` of
     the machine file).

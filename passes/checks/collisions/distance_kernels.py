@@ -48,7 +48,7 @@ def _triangle(points: Any, i: int, j: int, k: int, weights: Any) -> float:
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     nn = nx * nx + ny * ny + nz * nz
     if nn > 0.0:
-        # Barycentric coordinates of the origin's projection, each the volume beside one corner.
+        # Barycentric coordinates of the origin's projection, each the volume next to one corner.
         la = (bx * (cy * nz - cz * ny) + by * (cz * nx - cx * nz) + bz * (cx * ny - cy * nx)) / nn
         lb = (cx * (ay * nz - az * ny) + cy * (az * nx - ax * nz) + cz * (ax * ny - ay * nx)) / nn
         lc = (ax * (by * nz - bz * ny) + ay * (bz * nx - bx * nz) + az * (bx * ny - by * nx)) / nn
@@ -144,7 +144,7 @@ def separation(
     """Whether a body of revolution that moves by ``d`` from ``p`` comes within ``r`` of a facet.
 
     corners: (n, 12) of facets; disc: mm around them, horizontally; rims: (>= count, 2) radius and height of the
-    body's rims. boxed: 1 where the way from ``p`` to ``p + d`` may be any within the box of the two. points: (4, 9),
+    body's rims. boxed: 1 where the path from ``p`` to ``p + d`` may be any within the box of the two. points: (4, 9),
     weights, spare: (4,) to work in. witness: (7,) place on the way, less ``p``, point of the facet, distance, for 1.
     Returns -1: everywhere further than r, proved; 1: nearer than r + gap, by the witness; 0: open.
     """
@@ -163,7 +163,7 @@ def separation(
     size = 0.0
     done = False
     for _ in range(TURNS):
-        # The point of (facet - segment) - body that lies furthest against v.
+        # The point of (facet - segment) - body that is furthest against v.
         flat = math.sqrt(vx * vx + vy * vy)
         best, corner = 0.0, 0
         for k in range(4):

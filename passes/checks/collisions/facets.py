@@ -33,7 +33,7 @@ class Surface:
     """Facets of bodies as columns, and a grid over X and Y that says which lie where.
 
     corners: (n, 12) four corners, the third twice in a triangle; disc: (n,) mm around a facet; planes: (n, 5) unit
-    normal, its product with the corners, its horizontal length; beside: (n,) mm that the true surface may be off
+    normal, its product with the corners, its horizontal length; ``beside``: (n,) mm that the true surface may be off
     the facet; body: (n,) which of ``bodies``; box: (n, 5) least and greatest X, least and greatest Y, greatest Z.
     grid: X, Y of the first cell, its size, the greatest Z of all, the greatest ``beside``; size: cells in X and Y, and
     the highest facet; first, items: the facets over a cell, row by row; top: the greatest Z over it.

@@ -77,8 +77,8 @@ def raster(
 
 
 class Segments(NamedTuple):
-    """Moves. start, end: (n, 3) of the tip; slack: (n,) mm that the tip may be beside the segment, sag: (n,) how much
-    of it is the segment's own error; place: (n, 3) source (file and line as one number), row, and 1 where the way may
+    """Moves. start, end: (n, 3) of the tip; slack: (n,) mm that the tip may be off the segment, sag: (n,) how much
+    of it is the segment's own error; place: (n, 3) source (file and line as one number), row, and 1 where the path may
     be any within the box of start and end."""
 
     start: Any
@@ -191,7 +191,7 @@ def sweep(
             if lowest + bottom - most > summit:
                 continue
             if part[j] == 3:
-                # Wider than everything: what is higher than it begins may be met.
+                # Wider than everything: what is higher than its lower end may be met.
                 highest = size[2]
                 key = (body[highest] * 4 + 3) * 2
                 _told(
@@ -283,7 +283,7 @@ def sweep(
                         key = base + 1
                         level = 0
                         if seen[key] == now[1]:
-                            # The move is told of; only a deeper place is news.
+                            # The move is reported; only a deeper place is news.
                             level = whole[opened[key], 9] + 1 if opened[key] >= 0 else levels[j]
                             if level >= levels[j]:
                                 continue
@@ -373,7 +373,7 @@ def chords(
 
     op, turns, plane: of Trace rows; start, end, center: (n, 3). begin: the first row to take; places: (1,) the first
     row that is left because there was no more room, (n,) when all are done. points: (room, 6) start and end of each,
-    sag: (room,) mm that the path may lie beside it, rows: (room,) whose it is. Returns how many there are.
+    sag: (room,) mm that the path may be off it, rows: (room,) whose it is. Returns how many there are.
     The third axis, which runs with the angle, and a radius that changes are in ``sag``: docs/verification.md.
     """
     made = 0

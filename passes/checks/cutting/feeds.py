@@ -3,8 +3,8 @@
 Rows carry their effective feed in mm/min whatever its mode (per minute, per revolution, inverse time) and with the
 override that the program set; moves of rotary axes alone (degrees a minute) and moves that follow the spindle's turns
 (threads, taps: their pitch decides) have no feed of the tool's. What goes down counts as plunge: the part of a feed
-along Z. GP501 (more than the axes allow: the controller goes slower) is told here as in ``compile``; unknown feeds that
-lines themselves tell (GP239, GP270, GP518) and velocities of 0 (GP505) decide with them.
+along Z. GP501 (more than the axes allow: the controller goes slower) is said here as in ``compile``; unknown feeds that
+lines themselves report (GP239, GP270, GP518) and velocities of 0 (GP505) decide with them.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ ROUNDING = 1e-9
 Floats = npt.NDArray[np.float64]
 Key = tuple[tuple[Boundary, ...], bool, bool]
 """Boundaries of a state, whether their guard is off, and whether low ones of vertical axes do not count yet; open ones
-stand alone."""
+are on their own."""
 
 
 class _Box:

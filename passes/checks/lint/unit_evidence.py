@@ -1,7 +1,7 @@
 """Numbers that are plausible only in the other unit: a documented, careful score over a whole job.
 
 Evidence that numbers which count as millimetres are inches: the path of feed moves fits into 1/25.4 of every
-linear axis that moves (X and Y, with limits), and two of these hold: the machine counts in inches; no move takes
+linear axis that moves (X and Y, with limits), and two of these hold: the machine's unit is the inch; no move takes
 more than 0.005 mm a revolution; one way in five or more, of ten at least, is a whole number of 1/64 and not of 1/100.
 Evidence that numbers which count as inches are millimetres, two of three: the path is longer than an axis, and 1/25.4
 of it fits into all of them (longer than three of the axis: this alone is enough); the greatest feed is beyond every

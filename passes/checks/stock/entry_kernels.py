@@ -13,10 +13,10 @@ from gproof.passes.checks.stock.removal_kernels import INF, lessen
 from gproof.passes.checks.stock.tool_side_kernels import lower_side
 
 KINDS = 5
-"""Columns of what is told by row: traverse, flutes, greatest depth, shank, holder."""
+"""Columns of what is reported by row: traverse, flutes, greatest depth, shank, holder."""
 THROUGH, FLUTES, DEPTH, SHANK, HOLDER = range(KINDS)
 CLEAR, MAYBE, SURE, NO_PLACE, NO_SHAPE, FROM_START = range(6)
-"""What is told: nothing; may be; is; the place, or the tool's shape, is not known; the way from an unknown start."""
+"""What is said: nothing; may be; is; the place, or the tool's shape, is not known; the path from an unknown start."""
 TOUCH = 1e-7
 """mm: a tool that is this deep in stock touches it."""
 SHORTEST = 1e-6
@@ -28,11 +28,11 @@ def meets(
     box: Any, shape: Any, certain: float, chord: Any, loose: bool, clearance: float, beside: float, beneath: float,
     high: float, sure: float,
 ) -> tuple[int, float]:  # fmt: skip
-    """Whether a body of revolution on a straight line enters what stands in a cell: (CLEAR, MAYBE or SURE, mm).
+    """Whether a body of revolution on a straight line enters the stock of a cell: (CLEAR, MAYBE or SURE, mm).
 
     box: (4,) low X, low Y, high X, high Y of the cell; shape: (family, R, c, k, up), its lower side ``up`` above the
     tip, for certain only within the radius ``certain``; loose: it may be anywhere in the box of the chord; high: no
-    stock stands higher; sure: it is so high. The way is looked at in pieces, bounded by the box of each, halved where
+    stock is higher; sure: it is so high. The path is looked at in pieces, bounded by the box of each, halved where
     that does not do.
     """
     family, radius, c, k = int(shape[0]), shape[1], shape[2], shape[3]
@@ -121,7 +121,7 @@ def enter_loose(
     upper: Any, lower: Any, grid: Any, shape: Any, certain: float, chord: Any, loose: bool, clearance: float,
     beside: float, beneath: float, box: Any,
 ) -> tuple[int, float]:  # fmt: skip
-    """``enter``; of a way that may be any, its end is certain: what stands there was entered on whichever way."""
+    """``enter``; of a path that may be any, its end is certain: what is there was entered on whichever path."""
     answer, into = enter(upper, lower, grid, shape, certain, chord, loose, clearance, beside, beneath, box)
     if not loose or answer != MAYBE:
         return answer, into
@@ -139,7 +139,7 @@ def through(
     upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, loose: bool, clearance: float, beside: float,
     beneath: float, box: Any, line: Any, told: Any, amount: Any,
 ) -> None:  # fmt: skip
-    """A traverse on a straight line: told and amount of its row, and what it may have cut."""
+    """A traverse on a straight line: ``told`` and ``amount`` of its row, and what it may have cut."""
     answer, into = enter_loose(upper, lower, grid, tool, tool[10], chord, loose, clearance, beside, beneath, box)
     if answer == CLEAR:
         return

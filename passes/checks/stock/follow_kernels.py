@@ -33,7 +33,7 @@ from gproof.passes.checks.stock.removal_kernels import INF, lessen, remove
 TRAVERSE, FEED, ARC, PROBE, TOOL_CHANGE, HOME = 1, 2, 3, 4, 13, 17
 """Ops of ir/trace.py."""
 HEIGHT, PLACE, START, END = 1, 2, 4, 8
-"""What is known of a row, bits: Z, X and Y, and that all else rests on where the axes stood at the beginning."""
+"""What is known of a row, bits: Z, X and Y, and that all else rests on where the axes were at the start."""
 LOOKED = 4096
 """After so many rows the highest place that is left is looked for again."""
 MEMORY = 12
@@ -41,7 +41,7 @@ MEMORY = 12
 SAME, LEFT = 5e-10, 1e-8
 """mm: places that are one, as sums of offsets round; and ways that nothing leaves but for rounding."""
 CHORD = 0.002
-"""How far chords of an arc may be beside it, in cells; and how many there may be."""
+"""How far chords of an arc may be off it, in cells; and how many there may be."""
 CHORDS = 20000
 TWO_PI = 2.0 * math.pi
 
@@ -60,7 +60,7 @@ def arc_sweep(u0: float, v0: float, u1: float, v1: float, turns: int) -> float:
 
 @kernel(compile_seconds=0.2)
 def visited(places: Any, tool: int, x: float, y: float, z: float) -> float:
-    """Up to which height this tool has stood here at least as deep and nothing is over it; -inf: it has not."""
+    """Up to which height this tool has been here at least as deep and nothing is over it; -inf: it has not."""
     free = -INF
     for n in range(len(places)):
         near = abs(places[n, 1] - x) <= SAME and abs(places[n, 2] - y) <= SAME
@@ -73,7 +73,7 @@ def visited(places: Any, tool: int, x: float, y: float, z: float) -> float:
 def is_retraced(lines: Any, tool: int, chord: Any, up: float, clean: float) -> bool:
     """Whether the tip, so much further up, stays on, or over, lines that feeds of this tool have gone along.
 
-    lines: (n, 8) tool, begin and end of each, 1 where surely nothing was left over it; clean: as that, at least. Where
+    lines: (n, 8) tool, start and end of each, 1 where surely nothing was left over it; clean: as that, at least. Where
     the tool has been it has cut, and so has all of it above the tip.
     """
     ax, ay, az = chord[0], chord[1], chord[2]
@@ -88,7 +88,7 @@ def is_retraced(lines: Any, tool: int, chord: Any, up: float, clean: float) -> b
             vx, vy, vz = lines[n, 4] - px, lines[n, 5] - py, lines[n, 6] - pz
             length = math.sqrt(vx * vx + vy * vy)
             vx, vy, vz = vx / length, vy / length, vz / length
-            # At t the place is at s0 + t s1 along the line, c0 + t c1 beside it and h0 + t h1 over it.
+            # At t the place is at s0 + t s1 along the line, c0 + t c1 to its side and h0 + t h1 over it.
             s0, s1 = (ax - px) * vx + (ay - py) * vy, dx * vx + dy * vy
             c0, c1 = (ay - py) * vx - (ax - px) * vy, dy * vx - dx * vy
             h0, h1 = az + up - pz - s0 * vz, dz - s1 * vz
@@ -152,10 +152,10 @@ class ToolTables(NamedTuple):
 
 
 class FieldAhead(NamedTuple):
-    """A field and what is remembered beside it, updated. upper, lower, grid: see ``removal_kernels``; memory: (MEMORY,)
+    """A field and what is remembered with it, updated. upper, lower, grid: see ``removal_kernels``; memory: (MEMORY,)
     where the tool is: (known, x, y, lowest z there, tool, index in places), the highest stock, rows so far, by how much
-    the way of a feed to there may have been off, -1 for no feed, index in lines, 1 behind a way straight down, up to
-    which height nothing is over it; places: (m, 5) where it has stood: (tool, x, y, z, that height); lines: (m, 8)
+    the path of a feed to there may have been off, -1 for no feed, index in lines, 1 after a path straight down, up to
+    which height nothing is over it; places: (m, 5) where it has been: (tool, x, y, z, that height); lines: (m, 8)
     where feeds went: as in ``is_retraced``."""
 
     upper: Any
@@ -170,7 +170,7 @@ class FieldAhead(NamedTuple):
 def follow(rows: TipRows, tables: ToolTables, clearance: float, field: FieldAhead, told: Any, amount: Any) -> None:
     """Follow rows of the trace through a field, which is updated.
 
-    clearance: mm, of traverses; told, amount: (n, KINDS), amounts in mm.
+    clearance: mm, of traverses; ``told``, amount: (n, KINDS), amounts in mm.
     """
     op, start, end, center, turns, plane, known, tool_of, beside_of, bow_of, loose_of = rows
     tools, parts = tables
@@ -201,7 +201,7 @@ def follow(rows: TipRows, tables: ToolTables, clearance: float, field: FieldAhea
                 continue
             answer, into = CLEAR, 0.0
             if known[row] & END and o == TRAVERSE and tools[t, 0] >= 0.0:
-                # Wherever it comes from: what stands at its end, it enters.
+                # Wherever it comes from: what is at its end, it enters.
                 chord[0], chord[1], chord[2] = bx, by, bz
                 chord[3], chord[4], chord[5] = bx, by, bz
                 answer, into = enter(upper, lower, grid, tools[t], tools[t, 10], chord, False, 0.0, slack, slack, box)
@@ -218,7 +218,7 @@ def follow(rows: TipRows, tables: ToolTables, clearance: float, field: FieldAhea
         if upright:
             ax, ay = bx, by
         if memory[0] == 0.0 and az - slack < top:
-            # Where the tool is found, it stands: what was there may be gone.
+            # The tool is where it is found: what was there may be gone.
             chord[0] = chord[3] = ax
             chord[1] = chord[4] = ay
             chord[2] = chord[5] = az
@@ -329,7 +329,7 @@ def follow(rows: TipRows, tables: ToolTables, clearance: float, field: FieldAhea
                 beneath += off
         chord[0], chord[1], chord[2] = ax, ay, az
         most[0] = most[1] = most[2] = most[3] = -INF
-        # On a level arc a cell is cut by one chord after the other, all of them as deep: what stood there before the
+        # On a level arc a cell is cut by one chord after the other, all of them as deep: what was there before the
         # first of them says how deep.
         level = o == ARC and w == 2 and az == bz
         for piece in range(count):

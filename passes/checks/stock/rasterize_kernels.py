@@ -13,7 +13,7 @@ HAIR = 1e-9
 
 @kernel(seconds_per_unit=4e-6, compile_seconds=1.0)
 def outline_cells(edges: Any, error: float, grid: Any, touched: Any, inside: Any) -> None:
-    """Mark the cells that edges come within ``error`` of, and those whose middle lies inside.
+    """Mark the cells that edges come within ``error`` of, and those whose middle is inside.
 
     edges: (n, 4) x, y, x, y of all outlines and holes; grid: (x0, y0, hx, hy, ...); touched, inside: (ny, nx) uint8,
     all 0 before. Inside is by an odd number of edges on the left.

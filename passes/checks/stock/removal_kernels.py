@@ -1,7 +1,7 @@
 """Height fields of the stock that is still there, and what a tool takes away on a straight line.
 
-A field is a pair of arrays over the cells of a grid in X and Y, (ny, nx): ``upper``, so that no stock of a cell stands
-higher anywhere in it, and ``lower``, so that stock stands at least as high everywhere in it (both -inf: none). ``grid``
+A field is a pair of arrays over the cells of a grid in X and Y, (ny, nx): ``upper``, so that no stock of a cell is
+higher anywhere in it, and ``lower``, so that stock is at least as high everywhere in it (both -inf: none). ``grid``
 is (x0, y0, hx, hy, floor, top): corner, sizes of a cell, the lowest and the highest place of the body, mm.
 
 What is surely gone of a cell that the move covers whole is the greatest of the envelope at its corners
@@ -24,7 +24,7 @@ INF = math.inf
 def crossing(
     y: float, ax: float, ay: float, bx: float, by: float, ux: float, uy: float, radius: float
 ) -> tuple[float, float]:
-    """Where a line of constant Y enters and leaves what lies within the radius of a segment; (inf, -inf): nowhere."""
+    """Where a line of constant Y enters and leaves what is within the radius of a segment; (inf, -inf): nowhere."""
     left, right = INF, -INF
     square = radius * radius - (y - ay) * (y - ay)
     if square >= 0.0:
@@ -44,7 +44,7 @@ def crossing(
 
 @kernel(compile_seconds=0.2)
 def behind(family: int, radius: float, slope: float, again: bool) -> float:
-    """So far behind the begin of a chord, and further, its begin leaves least: nothing new where it was cut before."""
+    """So far after the start of a chord, and further, its start leaves least: nothing new where it was cut before."""
     if not again:
         return INF
     if slope >= 0.0:
@@ -58,7 +58,7 @@ def behind(family: int, radius: float, slope: float, again: bool) -> float:
 def beyond(
     left: float, right: float, y: float, ax: float, ay: float, ux: float, uy: float, back: float
 ) -> tuple[float, float]:
-    """What of a line of constant Y is not further than that behind a begin; (inf, -inf): nothing."""
+    """What of a line of constant Y is not further than that after a start; (inf, -inf): nothing."""
     if back == INF:
         return left, right
     need = -back - (y - ay) * uy
@@ -93,8 +93,8 @@ def remove(
 ) -> None:  # fmt: skip
     """Take away what a tool cuts on a straight line; later: ``lower`` goes down afterwards.
 
-    tool: a row of ``ToolTables.shapes``; chord: (ax, ay, az, bx, by, bz) of the tip; beside, beneath: mm
-    that the tool may be off it in X-Y and in Z; again: the same tool has cut up to the begin, as far off; top: of all
+    tool: a row of ``ToolTables.shapes``; chord: (ax, ay, az, bx, by, bz) of the tip; ``beside``, ``beneath``: mm
+    that the tool may be off it in X-Y and in Z; again: the same tool has cut up to the start, as far off; top: of all
     stock; line: (2, nx + 1) scratch; most: (4,) by how much the flutes may be and surely are too short and the depth
     may be and surely is too great, updated.
     """
@@ -108,7 +108,7 @@ def remove(
     ux, uy, slope, z = 1.0, 0.0, 0.0, low_z
     if length > 0.0:
         ux, uy, slope, z = (bx - ax) / length, (by - ay) / length, (bz - az) / length, az
-    # Flutes cut what stands between the tip and their end at all times, in a plunge what they come by.
+    # Flutes cut what is between the tip and their end at all times, in a plunge what they come by.
     reach = (low_z if length > 0.0 else high_z) + tool[8] - beneath
     if tool[10] < tool[1]:
         # What its tip leaves is not known.

@@ -34,7 +34,7 @@ def lower_side(family: int, radius: float, c: float, k: float, r: float) -> floa
 
 @kernel(compile_seconds=0.2)
 def smaller(family: int, radius: float, c: float, k: float, by: float) -> tuple[int, float, float, float]:
-    """(family, radius, c, tip up): a tool within the given one wherever it stands up to ``by`` beside it in X-Y."""
+    """(family, radius, c, tip up): a tool within the given one wherever it is up to ``by`` away from it in X-Y."""
     if family == 0:
         return 0, radius - by, 0.0, 0.0
     if family == 1:
@@ -50,7 +50,7 @@ def smaller(family: int, radius: float, c: float, k: float, by: float) -> tuple[
 
 @kernel(compile_seconds=0.2)
 def wider(family: int, radius: float, c: float, by: float) -> tuple[float, float, float]:
-    """(radius, c, tip down) of a tool of that family that holds the given one wherever that stands ``by`` beside."""
+    """(radius, c, tip down) of a tool of that family that holds the given one wherever that is ``by`` away."""
     if family == 0:
         return radius + by, 0.0, 0.0
     if family == 3:
@@ -60,7 +60,7 @@ def wider(family: int, radius: float, c: float, by: float) -> tuple[float, float
 
 @kernel(compile_seconds=0.5)
 def envelope(family: int, radius: float, c: float, k: float, s: float, q: float, length: float, slope: float) -> float:
-    """Least height of the tool's lower side, over the tip at the move's begin, over a point.
+    """Least height of the tool's lower side, over the tip at the move's start, over a point.
 
     s, q: the point along and across the move; slope: of the tip, mm up for each mm along; the move covers the point.
     Any place of the tool on its way bounds the least height from above; the one taken is the best.
@@ -90,7 +90,7 @@ def envelope(family: int, radius: float, c: float, k: float, s: float, q: float,
 
 @kernel(compile_seconds=0.3)
 def bull_shift(radius: float, c: float, q2: float, a: float, slope: float) -> float:
-    """How far behind a point the lowest place of a bull on a slope is: where its side is as steep as the slope."""
+    """How far after a point the lowest place of a bull on a slope is: where its side is as steep as the slope."""
     flat = radius - c
     low = math.sqrt(max(flat * flat - q2, 0.0))
     high = a

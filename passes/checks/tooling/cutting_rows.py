@@ -37,7 +37,7 @@ _STARTS = frozenset((F.SPINDLE_CW, F.SPINDLE_CCW))
 def macro_names(program: Program) -> frozenset[str]:
     """Names of the subprograms that codes of the machine's own stand for, where they fetch or measure tools.
 
-    One that starts a spindle may cut, and is none of these.
+    One that starts a spindle may cut, and does not count.
     """
     names = set(program.overrides.values())
     bodies = [program.body, *(sub.body for sub in program.subprograms.values())]

@@ -2,7 +2,7 @@
 
 Takes a Machine, a Setup and rows of the Trace; gives positions of the tip (mm) from the zero that the body counts
 from. A body does not move: its zero is where that of its coordinate system was when the job began, local offsets (G92)
-included. Positions of rows and zeros are sums of numbers and unknowns (``ir/trace.py``), so that an offset that nobody
+included. Positions of rows and zeros are sums of numbers and unknowns (``ir/trace.py``), so that an offset that is not
 stated cancels, and one that the program sets itself is followed. What does not cancel, and is not stated exactly, is
 not known, and ``Reason`` says why.
 

@@ -74,7 +74,7 @@ rows, whether traverses of several axes are straight lines."""
 class ZoneCheck:
     """Findings of one zone; ``conditions`` after the last chunk. errors: rows that enter it; hears: see ``Areas``.
 
-    part: of the tool, by its number (``zone_tool``); told: of the checks of all parts, None where there is one.
+    part: of the tool, by its number (``zone_tool``); ``told``: of the checks of all parts, None where there is one.
     """
 
     def __init__(

@@ -72,7 +72,7 @@ class Place:
 
 @record(slots=True)
 class _Rows:
-    """Rows near one stand, as columns; frames: of starts and ends, as indices of all forms met."""
+    """Rows near one ``Stand``, as columns; frames: of starts and ends, as indices of all forms met."""
 
     start: list[Floats] = field(default_factory=list)
     end: list[Floats] = field(default_factory=list)
