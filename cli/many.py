@@ -28,7 +28,7 @@ WORTH_A_PROCESS = 3_000_000
 
 @record(frozen=True, slots=True, kw_only=True)
 class How:
-    """How jobs are judged and told. form: of the report; units: of a text; tty: whether the text goes to a terminal;
+    """How jobs are judged and shown. form: of the report; units: of a text; tty: whether text goes to a terminal;
     every: repeats one by one."""
 
     running: Running

@@ -245,8 +245,8 @@ def _own_places(own: Path) -> tuple[Path, Path]:
 def settled(folder: Path, board: str, go_on: bool) -> bool:
     """Deal with journals that were left open: True when a job may run now.
 
-    The record of each is made and told. A run that did not end has to be answered for: at a terminal by a person, else
-    by ``--after-interruption`` (``go_on``). UsageError when the journals cannot be read.
+    The record of each is made and reported. A run that did not end must be answered for: at a terminal by a person,
+    otherwise by ``--after-interruption`` (``go_on``). UsageError when the journals cannot be read.
     """
     from gproof.backend.journal import left_open
 

@@ -52,7 +52,7 @@ class Summary:
     """Figures of a job. box: (axis, relative to "" or unknown offsets, low, high), mm or degrees;
     seconds: estimated time without waits, None without machine data; at_least: some moves are not in it;
     branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
-    and the time is not known; begin, end: machine position before the job and after it by axis, mm or degrees, NaN
+    and the time is not known; ``begin``, ``end``: machine position before and after the job by axis, mm or degrees, NaN
     where it is not known, end empty where it has several; extents: the box with columns and forms; unit: mm
     in the first unit that the job names, None: none; remains: of stock, where somebody watches the job (``observe``)
     and it has one end; open_path: some finding leaves open where the tool goes, so that nothing is proved."""

@@ -37,7 +37,7 @@ class PitchTable:
 
     machine: positions of the motor, mm or degrees; calibrated: what was measured there. Both rise; between points
     the map is linear, beyond the first and last point the correction stays what it is there. An axis that is to be
-    at a calibrated position needs its motor at the machine position beside it. docs/kinematics.md has the readings.
+    at a calibrated position needs its motor at the machine position paired with it. docs/kinematics.md: the readings.
     """
 
     machine: tuple[float, ...]

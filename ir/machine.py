@@ -61,7 +61,7 @@ class Axis:
     vertical: it carries a head up and down, None where that is unknown; boundary_lower, boundary_upper: like limits,
     in work positions without local coordinates (WinCNC lobound=, hibound=); feed_velocity: unit/s of feed moves
     before a program gives another; home_place: machine position after homing, None: not stated.
-    position_unit: mm or degrees in one unit of the axis's own positions, which G00 of McuWIN counts in whatever the
+    position_unit: mm or degrees in one unit of the axis's own positions, the unit of G00 of McuWIN whatever the
     interpolation unit is (3.1), None: not stated.
     """
 

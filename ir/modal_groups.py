@@ -155,7 +155,7 @@ STATES: dict[F, tuple[str, ...]] = {
     F.HOME: _NOTHING, F.TOOL_CHANGE: _NOTHING, F.TOOL_OFFSET_ON: _NOTHING, F.RETURN_HOME: _NOTHING,
 }  # fmt: skip
 """By function the groups that are known again after it, whatever they were before; of one that takes axis words only
-where it has none (``WITH_WORDS``: with them). With an empty row: what it does rests on no group that words count in."""
+where it has none (``WITH_WORDS``: with them). With an empty row it rests on no group that words are read in."""
 WITH_WORDS = frozenset((F.INTERPOLATION_AXES,))
 
 VALUES = frozenset((

@@ -1,7 +1,7 @@
 """The range of every number of a Machine, Setup, Trace or StepStream: looked at before anything reckons with it.
 
 One walk over a value, by its types: each number is finite and in a stated range, that of its field where the tables
-below name it, else of its kind. NaN and infinity stand only where the field's documentation gives them a meaning. What
+below name it, else of its kind. NaN and infinity are only where the field's documentation gives them a meaning. What
 is in range can be squared, scaled by resolutions and converted to ticks within doubles and 64 bits; a value that is no
 sense (a tool of -3 mm) is the business of who uses it.
 """

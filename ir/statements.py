@@ -457,7 +457,7 @@ class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown.
 
     text: the statement as written, without comments; "" when there is more of it than a line. deleted: the line
-    started with a slash. line: see Call. told: a finding of the frontend says already what is wrong here. accepted: the
+    started with a slash. line: see Call. ``told``: a frontend finding says already what is wrong here. accepted: the
     entry of ``accepts`` of a machine file by which a controller has it after all (``dialects/accepts.py``), and means
     what it does then; "": none.
     """
@@ -476,7 +476,7 @@ class Unsupported:
 class Mistake:
     """A line with a mistake that only matters when it runs. code: number of its finding; text: the line as written.
 
-    told: a finding of the frontend says already what is wrong here; the line may have changed anything all the same.
+    ``told``: a frontend finding says already what is wrong here; the line may have changed anything all the same.
     """
 
     code: int

@@ -28,7 +28,7 @@ class More:
     """What else there is of a kind: how many, where, and the worst of all.
 
     line, last_line: all are between them (0: not known); lines: the others', () when not all are known; worst_line: 0
-    where nothing says which one it is; worst: its message, "" when it is the one shown; keys: the first of the others
+    where it is not known which it is; worst: its message, "" when it is the one shown; keys: the first of the others
     that are named, where they are keys.
     """
 

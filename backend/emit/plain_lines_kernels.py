@@ -80,7 +80,7 @@ class PrintedWords(NamedTuple):
 
 
 class PrintedNotes(NamedTuple):
-    """Columns of notes; text: where their texts are, from the start on, so many bytes."""
+    """Columns of notes; text: where their texts are, from ``begin`` on, so many bytes."""
 
     line: Any
     place: Any

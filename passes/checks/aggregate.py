@@ -11,7 +11,7 @@ from gproof.ir.verdict import PropertyResult, Verdict
 
 @record(slots=True)
 class Cause:
-    """Why some rows are told: first and last place, how many there are; hint, values: of the finding; sections: where
+    """Why rows are reported: first and last place, how many there are; hint, values: of the finding; sections: where
     they are."""
 
     code: Code

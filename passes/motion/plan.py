@@ -135,7 +135,7 @@ class _Tables:
             self.chords = np.concatenate([self.chords, np.array(more, dtype=np.float64)])
 
     def _number(self, frame: Frame) -> int:
-        # Places next to a contour do not differ by what their contour does.
+        # Places next to a contour do not differ by as much as their contours do.
         if any(symbol == UNKNOWN[0][0] or symbol.startswith(BESIDE) for form in frame for symbol, _ in form):
             return -1
         return self._numbers.setdefault(frame, len(self._numbers))

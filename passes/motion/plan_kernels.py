@@ -238,7 +238,7 @@ def measure(
 ) -> int:
     """Rows of a section into the queue; returns the queue's new length.
 
-    begin: section's row number of the first row; joined: 1 for rows that go on with the one before, whatever the turn,
+    ``begin``: section's row number of the first row; joined: 1 for rows that go on with the one before, at any turn,
     or empty; closing: the section ends with the rows.
     """
     op, to, frame, state, feed, center, turns, plane, arg = rows

@@ -406,8 +406,8 @@ def take_up(
     ticks_in, signs_in: the axis's, of which first..last-1 are taken as far as there is room; amount: steps of
     backlash; up: the direction in which none is to be taken up; fastest, a: how that is done, in steps a tick and a
     tick squared; backlash: B_*, state: S_* of the motor, both kept from call to call. Where the axis turns round, the
-    motor's additional steps start so early that they are done in time if the axis was at rest for long enough, else
-    as soon as the axis has made its last step.
+    motor's additional steps start so early that they are done in time if the axis was at rest for long enough, and
+    otherwise as soon as the axis has made its last step.
     """
     whole = 2.0 * math.sqrt(amount / a)
     if amount * a > fastest * fastest:

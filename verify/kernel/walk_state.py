@@ -111,7 +111,7 @@ class Backlash(NamedTuple):
 class Cursor(NamedTuple):
     """How far a section has been followed. By motor: n: its step; near: from ``surround``; at, until: ``Backlash``;
     run: the one it is in; due: tick of its next step; gap: before it; left: steps of the run; last: tick of the last
-    step; way: its direction. positions, progress: the rings of ``sample``; now: see OVER; began: seconds at full feed
+    step; way: its direction. positions, progress: the rings of ``sample``; now: OVER; ``began``: seconds at full feed
     up to the last rest."""
 
     n: Ints

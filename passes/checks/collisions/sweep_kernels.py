@@ -371,7 +371,7 @@ def chords(
 ) -> int:  # fmt: skip
     """Moves as straight segments: lines as they are, arcs in chords that lie within ``most`` mm of them.
 
-    op, turns, plane: of Trace rows; start, end, center: (n, 3). begin: the first row to take; places: (1,) the first
+    op, turns, plane: of Trace rows; start, end, center: (n, 3). ``begin``: first row to take; places: (1,) the first
     row that is left because there was no more room, (n,) when all are done. points: (room, 6) start and end of each,
     sag: (room,) mm that the path may be off it, rows: (room,) whose it is. Returns how many there are.
     The third axis, which runs with the angle, and a radius that changes are in ``sag``: docs/verification.md.

@@ -18,7 +18,7 @@ from gproof.passes.checks.tooling.cutting_rows import Bools, Floats
 
 @record(frozen=True, slots=True)
 class Runs:
-    """Outputs that run the spindle; its direction by those that are on. told: why, where no machine file says so."""
+    """Outputs that run the spindle; its direction by those that are on. ``told``: why, when no machine file does."""
 
     forward: frozenset[int] = frozenset()
     backward: frozenset[int] = frozenset()

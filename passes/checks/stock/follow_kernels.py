@@ -218,7 +218,7 @@ def follow(rows: TipRows, tables: ToolTables, clearance: float, field: FieldAhea
         if upright:
             ax, ay = bx, by
         if memory[0] == 0.0 and az - slack < top:
-            # The tool is where it is found: what was there may be gone.
+            # Where the tool is found, what was there may be gone.
             chord[0] = chord[3] = ax
             chord[1] = chord[4] = ay
             chord[2] = chord[5] = az

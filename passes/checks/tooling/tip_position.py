@@ -1,7 +1,7 @@
 """Where the tip of the tool is in the coordinates of a body: stock, part or fixture.
 
 Takes a Machine, a Setup and rows of the Trace; gives positions of the tip (mm) from the zero that the body counts
-from. A body does not move: its zero is where that of its coordinate system was when the job began, local offsets (G92)
+from. A body does not move: its zero is where its coordinate system's was when the job started, local offsets (G92)
 included. Positions of rows and zeros are sums of numbers and unknowns (``ir/trace.py``), so that an offset that is not
 stated cancels, and one that the program sets itself is followed. What does not cancel, and is not stated exactly, is
 not known, and ``Reason`` says why.

@@ -290,7 +290,7 @@ def arc_enters(zone: Zone, arc: Arc) -> Entry | None:
         half = (t0 + t1) / 2
         done += 1
         depth = float(zone.depths(np.array([p, at(half), q])).max())
-        # A chord's point that is deeper in the grown zone than twice the bulge has a point of the arc inside beside it.
+        # A chord's point deeper in the grown zone than twice the bulge has a point of the arc inside next to it.
         if depth > TOUCH or near.depth > 2 * bulge + TOUCH or done > PIECES:
             return _deepest(zone, at, near.at, t0, max(depth, near.depth - 2 * bulge))
         if bulge > (LEAF if done < _LONG else LONG_LEAF) and t0 < half < t1:

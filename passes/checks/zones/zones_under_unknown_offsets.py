@@ -91,7 +91,7 @@ class OpenZones:
         self._forms: dict[Triple, int] = {}
 
     def add(self, chunk: Chunk, stand: Stand, mine: npt.NDArray[np.bool_], *, is_straight: bool | None = True) -> None:
-        """Rows of a chunk near a stand. mine: (n,); is_straight: whether traverses are straight lines, None: open."""
+        """Rows of a chunk near ``stand``. mine: (n,); is_straight: if traverses are straight lines, None: open."""
         rows = chunk.rows
         if not mine.any():
             return
