@@ -58,7 +58,7 @@ def verified(
 
     other: what differs from the source at hand, or from the source compiled again
     findings: those of the files at hand; the others are added
-    ``anew``: whether the source was compiled again
+    anew: whether the source was compiled again
     """
     found = (*other, *check.findings)
     verdict = verdict_of(finding for finding in found if finding not in check.open)

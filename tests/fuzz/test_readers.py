@@ -1,7 +1,7 @@
 """Whatever a file of a stranger holds, each reader answers: no exception, no long run, no memory eaten.
 
-A million cases in a soak, the first hundredth of each reader in every run. Each calls the reader itself; one
-in so many runs the whole command, which ends with an exit code of its own. A failure prints the seed and the bytes.
+A million cases in a soak, the first eighth of a hundredth of each reader in every run. Each calls the reader itself;
+one in so many runs the whole command, which ends with an exit code of its own. A failure prints the seed and the bytes.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from support.guarded import alarm, memory
 
 SECONDS, BYTES = 10, 1 << 30
 PARTS = 100
+"""Of a soak."""
 IN_EVERY_RUN = 8
-"""One in so many of the first part of each reader; the million in a soak."""
-"""Every run makes the first one: a hundredth."""
+"""Every run makes one in so many of the first part: 1/800 of the million."""
 WHOLE = 25
 """One case in so many is a whole command."""
 EXITS = (0, 1, 2, 3, 130)
