@@ -41,6 +41,8 @@ def run_dump(
     if stage == "program":
         _print(loaded(session.program))
         reached = True
+    elif stage == "job":
+        reached = _job(session)
     elif form == "jsonl":
         reached = _jsonl(session, running)
     else:
@@ -49,6 +51,21 @@ def run_dump(
     if session.findings.has(Severity.ERROR):
         return Verdict.UNSAFE.exit_code
     return 0 if reached and not session.findings.has(Severity.UNKNOWN) else Verdict.UNKNOWN.exit_code
+
+
+def _job(session: Session) -> bool:
+    """The neutral form, if the language has one; whether every construct has."""
+    from gproof.driver.dialects import DIALECTS
+    from gproof.ir.job import NotRaised, walk
+
+    assert session.program is not None
+    raising = DIALECTS[session.dialect].frontend.raise_program
+    if raising is None:
+        raise UsageError(f"--stage job: {session.dialect} has no neutral form")
+    job = raising(session.program, session.machine)
+    _print(job)
+    bodies = (job.body, *(routine.body for routine in job.routines.values()))
+    return not any(isinstance(node, NotRaised) for body in bodies for node in walk(body))
 
 
 def _print(value: object) -> None:

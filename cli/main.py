@@ -209,8 +209,10 @@ def fit(
 @JOB
 @job_options
 @option(
-    "--stage", title=REPORT, metavar="STAGE", type=click.Choice(["program", "trace", "plan", "stream"]), required=True,
-    help="Stage to print: program (as it is read), trace (its moves), plan (with speeds), stream (motor steps)",
+    "--stage", title=REPORT, metavar="STAGE", type=click.Choice(["program", "job", "trace", "plan", "stream"]),
+    required=True,
+    help="Stage to print: program (as it is read), job (its neutral form, for translation), trace (its moves), plan (with "
+    "speeds), stream (motor steps)",
 )  # fmt: skip
 @option(
     "--format", "form", title=REPORT, metavar="[text|jsonl]", type=click.Choice(["text", "jsonl"]), default="text",

@@ -48,6 +48,7 @@ def types() -> Types:
     from gproof.ir import (
         drives,
         finding,
+        job,
         machine,
         notes,
         plan,
@@ -65,7 +66,7 @@ def types() -> Types:
 
     found = Types({}, {}, {})
     modules = (
-        drives, finding, machine, notes, plan, program, rules, settings, setup, statements, stream, trace, verdict,
+        drives, finding, job, machine, notes, plan, program, rules, settings, setup, statements, stream, trace, verdict,
         workpiece,
     )  # fmt: skip
     for module in (*modules, *settings_modules()):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
+    from gproof.ir.job import Job
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
     from gproof.ir.settings import Settings
@@ -93,7 +94,7 @@ class Frontend:
     with what they are, in words.
     markers, alike: how a program is distinguished from those of other dialects.
     open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
-    load_program: reads a job with all that it calls. alone: how one file is read to be printed again; definitions: name
+    load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation. alone: how one file is read to be printed again; definitions: name
     of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
     lines are read; folder_machine: name of its file, which is looked for next to a program then.
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
@@ -126,3 +127,4 @@ class Frontend:
     completed: Callable[[Machine], Machine] = lambda machine: machine
     setup_table: str = ""
     setup_fields: Callable[[TomlTable], dict[str, Any]] = lambda root: {}
+    raise_program: Callable[[Program, Machine], Job] | None = None

@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
+    from gproof.ir.job import Job
     from gproof.ir.machine import Machine
+    from gproof.ir.program import Program
     from gproof.ir.settings import Settings
 
 
@@ -61,6 +63,12 @@ def _settings_from(root: TomlTable, machine: Machine, unit: Fraction, keys: dict
     return settings_from(machine, keys)
 
 
+def _raise_program(program: Program, machine: Machine) -> Job:
+    from gproof.frontend.eding.raising import raise_program
+
+    return raise_program(program, machine)
+
+
 FRONTEND = Frontend(
     name="eding",
     title="Eding CNC",
@@ -91,4 +99,5 @@ FRONTEND = Frontend(
     ),
     setup_table="parameters",
     setup_fields=_setup_fields,
+    raise_program=_raise_program,
 )
