@@ -211,8 +211,8 @@ def fit(
 @option(
     "--stage", title=REPORT, metavar="STAGE", type=click.Choice(["program", "job", "trace", "plan", "stream"]),
     required=True,
-    help="Stage to print: program (as it is read), job (its neutral form, for translation), trace (its moves), plan (with "
-    "speeds), stream (motor steps)",
+    help="Stage to print: program (as it is read), job (its neutral form, for translation), trace (its moves), "
+    "plan (with speeds), stream (motor steps)",
 )  # fmt: skip
 @option(
     "--format", "form", title=REPORT, metavar="[text|jsonl]", type=click.Choice(["text", "jsonl"]), default="text",

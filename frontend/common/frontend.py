@@ -94,7 +94,8 @@ class Frontend:
     with what they are, in words.
     markers, alike: how a program is distinguished from those of other dialects.
     open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
-    load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation. alone: how one file is read to be printed again; definitions: name
+    load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation.
+    alone: how one file is read to be printed again; definitions: name
     of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
     lines are read; folder_machine: name of its file, which is looked for next to a program then.
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
