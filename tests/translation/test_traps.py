@@ -1,0 +1,160 @@
+"""Pairs of programs that a translation gets wrong easily, worked out by hand: the interpreter agrees with both traces.
+
+Each case of ``traps/`` (its README says what one holds) is run under setups with different work zeros: source and
+target give the rows of the page, no wrong translation does.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hand.compare import rows_of
+from support.traps import AXES, READ, Case, cases, placed
+
+from gproof.driver.running import begin
+from gproof.driver.session import Session, open_session
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
+from gproof.ir.finding import Findings, Severity
+from gproof.ir.setup import ZERO, Interval, Setup
+
+CASES = cases()
+LISTED = {"traverse", "feed", "arc", "dwell", "spindle", "setpoint", "coolant", "output", "input_wait", "stop", "home"}
+LISTED |= {"tool_change", "error"}
+TOLERANCE = 2e-4
+"""mm, mm/min: programs print four decimals."""
+CHANNELS_OF_AN_AXIS = 100
+"""McuWIN counts outputs and inputs by axis: 102 is bit 2 of axis 1."""
+
+
+def setup_of(state: dict[str, Any], dialect: str) -> Setup:
+    """What a case knows at the start, in the terms of a controller."""
+
+    def places(name: str) -> dict[str, Interval]:
+        return {axis: Interval(v, v) for axis, v in zip(AXES, state[name], strict=True)}
+
+    zero = places("work")
+    systems = {(n, axis): place for n, name in ((1, "work"), (2, "second")) for axis, place in places(name).items()}
+    by_axis = CHANNELS_OF_AN_AXIS if dialect == "mcuwin" else 0
+    inputs = {int(n) + by_axis: float(on) for n, on in state.get("inputs", {}).items()}
+    return dataclasses.replace(
+        ZERO,
+        start=places("start"),
+        work={} if dialect == "wincnc" else systems,
+        g92=zero if dialect == "wincnc" else {},
+        inputs=inputs,
+        outputs=dict.fromkeys(range(65), 0.0),
+        answers={n: float(word == "yes") for n, word in enumerate(state.get("answers", []), 1)},
+        parameters={int(n): float(v) for n, v in state.get("parameters", {}).items()},
+        tool=state.get("tool", 0),
+        default_parameter=None if dialect == "mcuwin" else 0.0,
+    )
+
+
+@cache
+def session_of(case: Case, program: str, folder: Path) -> Session:
+    """A program of a case, read once for all its setups."""
+    folder.mkdir(parents=True)
+    written, machine = case.written(program, folder)
+    session = open_session(written, machine=machine, setup="zero", dialect=case.dialect(program))
+    if case.dialect(program) == "wincnc":
+        settings = dataclasses.replace(wincnc_settings(session.machine), shift_sign=1)
+        session = dataclasses.replace(session, machine=dataclasses.replace(session.machine, settings=settings))
+    return session
+
+
+def trace(case: Case, program: str, setup: dict[str, Any], folder: Path) -> tuple[list[dict[str, Any]], list[str]]:
+    """Rows in the words of README.md, and what is an error or unknown."""
+    session = session_of(case, program, folder / program)
+    findings = Findings()
+    for finding in session.findings.kept:
+        findings.add(finding)
+    rows: list[dict[str, Any]] = []
+    if session.program is not None:
+        stated = setup_of(setup, case.dialect(program))
+        run = begin(session.program, stated, session.machine, findings)
+        rows = rows_of(run, session.machine, (), session.job)
+    start = dict(zip(AXES, setup["start"], strict=True))
+    is_bad = {Severity.ERROR, Severity.UNKNOWN}
+    bad = [f"{f.span.line}: {f.code.label} {f.message}" for f in findings.kept if f.severity in is_bad]
+    return _worded(rows, start, case.dialect(program)), bad
+
+
+def _worded(rows: list[dict[str, Any]], start: dict[str, float], dialect: str) -> list[dict[str, Any]]:
+    kept: list[dict[str, Any]] = []
+    before = list(start.values())
+    for found in rows:
+        row = dict(found)
+        if row["op"] not in LISTED or (row["op"] == "setpoint" and row["name"] != "spindle_speed"):
+            continue
+        if row["op"] == "dwell" and row.get("seconds") == 0.0:
+            continue
+        if row["op"] == "setpoint":
+            row = {"op": "spindle", "rpm": row["value"]}
+        if dialect == "mcuwin" and "channel" in row:
+            row["channel"] -= CHANNELS_OF_AN_AXIS
+        if "to" in row:
+            low, high = ([row["ranges"][axis][end] for axis in AXES] for end in (0, 1))
+            row["to"] = low if _same(low, high) else [None] * len(AXES)
+            if row["op"] != "arc" and _same(row["to"], before):
+                continue
+            before = row["to"]
+        kept.append(row)
+    return kept
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, int | float) and isinstance(other, int | float):
+        return abs(one - other) <= TOLERANCE
+    return bool(one == other)
+
+
+def difference(expected: list[dict[str, Any]], found: list[dict[str, Any]]) -> str:
+    """The first place where two traces part, "" for none."""
+    for n, row in enumerate(expected):
+        if n >= len(found):
+            return f"nothing in place of {row}"
+        made = found[n] if found[n]["op"] != "arc" else {"plane": "XY"} | found[n]
+        wanted = {"plane": "XY"} | row if row["op"] == "arc" else row
+        waits = row["op"] == "dwell" and "seconds" not in row and made["op"] in {"dwell", "stop"}
+        if not waits and not all(_same(value, made.get(key)) for key, value in wanted.items() if key != "when"):
+            return f"{made} in place of {row}"
+        if waits and "seconds" in made:
+            return f"{made} in place of {row}"
+    return f"{found[len(expected)]} in addition" if len(found) > len(expected) else ""
+
+
+def against(case: Case, program: str, folder: Path) -> list[str]:
+    """What a program does otherwise than its page, setup by setup."""
+    found = []
+    for setup in case.setups():
+        rows, bad = trace(case, program, setup, folder)
+        wanted = [placed(row, setup) for row in case.rows(program) if _is_of(row, setup)]
+        found += [text for text in (difference(wanted, rows), *bad) if text]
+    return found
+
+
+def _is_of(row: dict[str, Any], setup: dict[str, Any]) -> bool:
+    """Whether a row belongs to a setup: ``when`` has the state of the inputs or answers in which it is there."""
+    return all(setup.get(key) == value for key, value in row.get("when", {}).items())
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_pair_does_what_the_manuals_say(case: Case, tmp_path: Path) -> None:
+    for program in (*case.programs("source"), *case.programs("target")):
+        if case.dialect(program) in READ:
+            assert against(case, program, tmp_path) == [], program
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_wrong_translations_differ(case: Case, tmp_path: Path) -> None:
+    wrong = case.programs("wrong")
+    assert len(wrong) >= 2
+    for program in wrong:
+        if case.dialect(program) in READ:
+            assert against(case, program, tmp_path) != [], program
