@@ -61,6 +61,15 @@ class Case:
         text = self.section.files.get(name, self.section.files["source.jsonl"])
         return [json.loads(line) for line in text.decode().splitlines()]
 
+    @property
+    def unproven(self) -> str:
+        """Why a validator cannot prove the pair, "" where it must."""
+        return self.section.said("Proof: none: ")
+
+    def leaves(self) -> bool:
+        """Whether the page says what is left for the next job."""
+        return any(row["op"] == "left" for row in self.rows(self.source))
+
     def setups(self) -> list[dict[str, Any]]:
         """Every setup that the case runs under: both zeros, with each of its own states."""
         stated = self.section.said("Setup: ").strip("`")
@@ -75,9 +84,25 @@ class Case:
         name = MACHINE[dialect]
         said = self.section.said(f"{side.capitalize()} machine: ")
         files[name] = changed(files[name].decode(), said).encode()
+        job = Path(program)
+        if self.leaves():
+            job, files = followed(dialect, program, files)
         for inner, data in files.items():
             (folder / inner).write_bytes(data)
-        return folder / program, folder / name
+        return folder / job, folder / name
+
+
+def followed(dialect: str, program: str, files: dict[str, bytes]) -> tuple[Path, dict[str, bytes]]:
+    """A job and a next one that goes to its zero, as one program, and its files.
+
+    WinCNC gives the zero back at the end of a file, a called one too (M98); Eding CNC by no end (3.5.1).
+    """
+    if dialect == "wincnc":
+        return Path("NEXT.TAP"), files | {"NEXT.TAP": f"M98 {program}\nG22\nG90\nG0 X0 Y0 Z0\n".encode()}
+    if dialect == "eding":
+        text = files[program].decode().removesuffix("M30\n")
+        return Path(program), files | {program: f"{text}G21 G90 G94 G0 X0 Y0 Z0\nM30\n".encode()}
+    raise ValueError(f"what {dialect} leaves for the next job is open")
 
 
 def changed(text: str, said: str) -> str:
@@ -117,9 +142,11 @@ def cases() -> list[Case]:
 
 
 def placed(row: dict[str, Any], setup: dict[str, Any]) -> dict[str, Any]:
-    """A row with ``to``, ``center`` and ``zero`` in machine millimetres, axis by axis in the order of the row."""
+    """A row with ``to`` and ``center`` in machine millimetres; ``left`` as the move of a next job to its zero."""
+    if row["op"] == "left":
+        row = {"op": "traverse", "to": row["zero"]}
     plane = row.get("plane", "XY").lower()
-    letters = {"to": AXES, "zero": AXES, "center": plane}
+    letters = {"to": AXES, "center": plane}
     return row | {
         key: [_machine(place, AXES.index(letter), setup) for place, letter in zip(row[key], letters[key], strict=True)]
         for key in letters

@@ -48,7 +48,7 @@ def setup_of(state: dict[str, Any], dialect: str) -> Setup:
         inputs=inputs,
         outputs=dict.fromkeys(range(65), 0.0),
         answers={n: float(word == "yes") for n, word in enumerate(state.get("answers", []), 1)},
-        parameters={int(n): float(v) for n, v in state.get("parameters", {}).items()},
+        parameters={int(n): float(v) for n, v in state.get("parameters", {}).items() if dialect == "eding"},
         tool=state.get("tool", 0),
         default_parameter=None if dialect == "mcuwin" else 0.0,
     )
