@@ -15,6 +15,7 @@ import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema, batches, joined
 from gproof.ir.drives import AXES, Interval
+from gproof.ir.end_state import EndState, Question
 from gproof.ir.record import field, record
 
 
@@ -304,7 +305,9 @@ class Trace:
     """A whole evaluated program as a graph of sections; section 0 is where it starts.
 
     symbols: the ranges, mm or degrees, of unknowns that arose in the run (probe contacts, answers): see ir/setup.py.
-    macro_files: see ``Program``.
+    macro_files: see ``Program``. ends: by section that ends the program what it leaves; questions: by section what its
+    two outcomes rest on, where that is the state of one channel. These two are notes for who compares programs, no part
+    of the stage.
     """
 
     files: list[str] = field(default_factory=list)
@@ -315,6 +318,8 @@ class Trace:
     sections: list[TraceSection] = field(default_factory=list)
     symbols: dict[str, Interval] = field(default_factory=dict)
     macro_files: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
+    ends: dict[int, EndState] = field(default_factory=dict, compare=False, repr=False)
+    questions: dict[int, Question] = field(default_factory=dict, compare=False, repr=False)
 
     def verify(self) -> None:
         """The invariants of this stage; ValueError with the first one that fails."""

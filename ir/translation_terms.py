@@ -1,0 +1,86 @@
+"""What two sides of a translation agree on, so that a program for one machine can be compared with one for another.
+
+Numbers and names that no program says: which output of the target does what an output of the source does, which
+unknown offset is which, how far numbers may differ because they are printed with so many digits. The driver makes them
+of the two machine files, the map (docs/translation.md) and the target's style; ``verify/translation`` reads them.
+"""
+
+from __future__ import annotations
+
+from gproof.ir.program import NO_OUTPUTS, SpindleOutputs
+from gproof.ir.record import field, record
+from gproof.ir.trace import Affine
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class SymbolMeaning:
+    """What an unknown of one side is: mm (or degrees) and a sum of unknowns that both sides know by these names.
+
+    Where a controller has one zero and another one adds two, the zero of the first is the sum of the others: both are
+    set at the same place of the material.
+    """
+
+    symbol: str
+    mm: float = 0.0
+    form: Affine = ()
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class TranslationTerms:
+    """What both sides agree on.
+
+    source, target: names of the languages, for sentences.
+    tolerance_mm, tolerance_deg: by how much coordinates of the same place may differ; chord_mm: how far straight moves
+    may be from an arc that they replace, 0: arcs must stay arcs; feed_relative: by which share of the greater one feeds
+    and speeds may differ; seconds: by how much dwells may differ.
+    outputs, inputs: (source channel, target channel); a channel that is not listed has the same number on both sides.
+    tools: (source number, target number), likewise.
+    source_outputs, target_outputs: channels that run the spindle or the coolant on that side; they are compared with
+    the codes of the other side.
+    source_symbols, target_symbols: what unknowns of each side are, in names that both share.
+    source_straight, target_straight: rapids of several axes are straight lines; None: the manual does not say.
+    rapids_assumed: they are taken to be the same path all the same, and that is printed.
+    left_out: facts (``ROW_FACTS``, ``EndState``) that one of the controllers cannot have; where they differ that is
+    printed.
+    silent: texts of commands to devices that need no counterpart, because they move and switch nothing.
+    machine_zero_shared: machine coordinates of both machines count from the same place; else moves to machine places
+    are open.
+    """
+
+    source: str = "source"
+    target: str = "target"
+    tolerance_mm: float = 1e-6
+    tolerance_deg: float = 1e-6
+    chord_mm: float = 0.0
+    feed_relative: float = 1e-6
+    seconds: float = 1e-6
+    outputs: tuple[tuple[int, int], ...] = ()
+    inputs: tuple[tuple[int, int], ...] = ()
+    tools: tuple[tuple[int, int], ...] = ()
+    source_outputs: SpindleOutputs = NO_OUTPUTS
+    target_outputs: SpindleOutputs = NO_OUTPUTS
+    source_symbols: tuple[SymbolMeaning, ...] = ()
+    target_symbols: tuple[SymbolMeaning, ...] = ()
+    source_straight: bool | None = None
+    target_straight: bool | None = None
+    rapids_assumed: bool = False
+    left_out: frozenset[str] = field(default_factory=frozenset)
+    silent: frozenset[str] = field(default_factory=frozenset)
+    machine_zero_shared: bool = True
+
+
+ROW_FACTS: dict[str, str] = {
+    "tool": "the tool in the spindle",
+    "path_mode": "how corners are taken (G61, G64)",
+    "overrides": "whether the operator's overrides act",
+    "head": "the head that is selected",
+    "surface_speed": "constant surface speed",
+    "synchronised": "the move follows the turns of the spindle",
+    "following": "what the controller adds to the path (height map, knife)",
+    "guards": "guards that are off",
+    "dynamics": "velocities and accelerations that the program has set",
+    "backlash": "backlash that the program has set",
+    "limits": "limits that the program has set",
+    "spindle": "speed and direction of the spindle",
+}
+"""Facts of a row that must be the same on both sides, by the names that differences and ``left_out`` have."""

@@ -1,0 +1,203 @@
+"""What happens between the moves, in order: events of a section in the names that both sides share.
+
+Left out is what changes nothing:
+
+- a spindle, coolant or output command that repeats the state in force: the device gets the command that it has;
+- a speed for a spindle that rests: the start of the spindle has the speed in force then;
+- rows that only say what the rows of moves have in their state and in their numbers (offsets, units, plane, path mode,
+  guards, overrides), and messages, which move and switch nothing; a question ends its section and is compared there.
+
+Dwells in a row at one place are one dwell: the axes rest for the sum, and nothing happens in between. An output that
+motion does not stop for is as one that it stops for where the axes rest at that place anyway: at the start and the end
+of a section, or because of another event there.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from gproof.ir.columns import Columns
+from gproof.ir.trace import Op
+from gproof.verify.translation.comparison import Place
+from gproof.verify.translation.sides import Side
+
+QUIET = (Op.TOOL_OFFSET, Op.UNITS, Op.PLANE, Op.OVERRIDE, Op.PATH_MODE, Op.GUARD, Op.MESSAGE, Op.END)
+"""Rows that say what rows of moves have in their state, or that the operator reads."""
+_PRESELECTED = re.compile(r"T\d+")
+"""A tool that is only named: the change says which tool comes (``Op.TOOL_CHANGE``)."""
+
+
+class Event(NamedTuple):
+    """kind: a word; values: what must be the same; at: moves of the section before it; flying: motion goes on."""
+
+    kind: str
+    values: tuple[float | str, ...]
+    at: int
+    place: Place
+    flying: bool = False
+
+
+class Devices(NamedTuple):
+    """What is switched on; None: as it was at the start. outputs: (channel, value) that are known, by channel."""
+
+    spindle: tuple[float, float] | None = None
+    coolant: tuple[float, ...] | None = None
+    speed: float = math.nan
+    outputs: tuple[tuple[int, float], ...] = ()
+
+    def after_operator(self, keep: frozenset[int]) -> Devices:
+        """After a wait for the operator, who may have switched anything: no command repeats a state any more.
+
+        keep: channels by which a spindle's direction is known.
+        """
+        return Devices(speed=self.speed, outputs=tuple(pair for pair in self.outputs if pair[0] in keep))
+
+
+class EventReader:
+    """Reads the event rows of one side, with the state of its devices."""
+
+    def __init__(self, side: Side, devices: Devices) -> None:
+        self.side = side
+        self.spindle, self.coolant, self.speed, outputs = devices
+        self.outputs = dict(outputs)
+        self.found: list[Event] = []
+        self.rests: set[int] = set()
+        self._mixed = bool(side.terms.source_outputs.coolant or side.terms.target_outputs.coolant)
+
+    @property
+    def devices(self) -> Devices:
+        """Their state after what was read."""
+        return Devices(self.spindle, self.coolant, self.speed, tuple(sorted(self.outputs.items())))
+
+    def read(self, rows: Columns, before: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
+        """The events of a section's rows; before: moves before each row, counted over the whole stretch."""
+        op = rows["op"]
+        which = np.flatnonzero((op >= 10) & ~np.isin(op, QUIET))
+        files = self.side.trace.files
+        columns = zip(
+            op[which].tolist(), rows["arg"][which].tolist(), rows["text"][which].tolist(), before[which].tolist(),
+            rows["file"][which].tolist(), rows["line"][which].tolist(), strict=True,
+        )  # fmt: skip
+        for kind, arg, text, at, file, line in columns:
+            self._one(kind, arg[0], arg[1], text, at, (files[file], line))
+
+    def _one(self, op: int, first: float, second: float, text: int, at: int, place: Place) -> None:
+        if op == Op.OFFSET:
+            if second:
+                self.rests.add(at)
+            return
+        flying = op == Op.OUTPUT and text == 1
+        if not flying and op != Op.SETPOINT:
+            self.rests.add(at)
+        if op == Op.DWELL:
+            self._dwell(first, at, place)
+        elif op == Op.SPINDLE:
+            self._turn(first, second, at, place)
+        elif op == Op.COOLANT:
+            self._cool((first, second), at, place)
+        elif op == Op.OUTPUT:
+            self._switch(int(first), second, text, at, place)
+        elif op == Op.SETPOINT:
+            self._set(self.side.trace.texts[text], first, second, at, place)
+        elif op == Op.TOOL_CHANGE:
+            number = first if math.isnan(first) else float(self.side.tools.get(int(first), int(first)))
+            self._add("tool", (number,), at, place)
+        elif op == Op.INPUT_WAIT:
+            if not math.isnan(second):
+                self._add("input", (float(self.side.inputs.get(int(first), int(first))), second), at, place)
+        elif op == Op.STOP:
+            self._add("stop", (first,), at, place)
+        elif op == Op.HOME:
+            self._add("home", (" ".join(sorted(self.side.trace.texts[text].split())),), at, place)
+        elif op == Op.DEVICE:
+            written = self.side.trace.texts[text]
+            if written not in self.side.terms.silent and not _PRESELECTED.fullmatch(written):
+                self._add("device", (written,), at, place)
+        else:
+            self._add(
+                {Op.ORIENT: "orient", Op.HEAD: "head"}.get(Op(op), "event"), (float(op), first, second), at, place
+            )
+
+    def _add(self, kind: str, values: tuple[float | str, ...], at: int, place: Place, *, flying: bool = False) -> None:
+        self.found.append(Event(kind, values, at, place, flying))
+
+    def _dwell(self, seconds: float, at: int, place: Place) -> None:
+        last = self.found[-1] if self.found else None
+        if last is not None and last.kind == "dwell" and last.at == at:
+            assert isinstance(last.values[0], float)
+            self.found[-1] = last._replace(values=(last.values[0] + seconds,))
+        elif seconds != 0.0:
+            self._add("dwell", (seconds,), at, place)
+
+    def _turn(self, direction: float, speed: float, at: int, place: Place) -> None:
+        now = (direction, speed if direction else 0.0)
+        if now != self.spindle:
+            self._add("spindle", now, at, place)
+        self.spindle = now
+
+    def _cool(self, now: tuple[float, ...], at: int, place: Place) -> None:
+        if self._mixed:
+            now = (float(any(now)),)
+        if now != self.coolant:
+            self._add("coolant", now, at, place)
+        self.coolant = now
+
+    def _set(self, what: str, channel: float, value: float, at: int, place: Place) -> None:
+        if what != "spindle_speed":
+            self.rests.add(at)
+            self._add("setpoint", (what, float(self.side.channels.get(int(channel), int(channel))), value), at, place)
+            return
+        self.speed = value
+        if self.spindle is not None and self.spindle[0]:
+            self.rests.add(at)
+            self._turn(self.spindle[0], value, at, place)
+
+    def _switch(self, channel: int, value: float, text: int, at: int, place: Place) -> None:
+        own = self.side.outputs
+        if text < 0:
+            self.outputs.clear()
+            self._add("output word", (float(self.side.channels.get(channel, channel)), value), at, place)
+            return
+        known = self.outputs.get(channel)
+        # A number that ends in 00 may be all channels of a group (McuWIN 4.11): nothing is known of the others then.
+        alike = [one for one in self.outputs if one // 100 == channel // 100 and (one % 100 == 0 or channel % 100 == 0)]
+        for one in alike:
+            del self.outputs[one]
+        known = None if alike else known
+        self.outputs[channel] = value
+        if channel in self.side.spindle_channels:
+            on = {one for one in self.side.spindle_channels if self.outputs.get(one)}
+            if on == set(own.forward):
+                self._turn(1.0, self.speed, at, place)
+            elif on == set(own.backward):
+                self._turn(-1.0, self.speed, at, place)
+            elif not on:
+                self._turn(0.0, 0.0, at, place)
+        elif channel in own.coolant:
+            self._cool((float(any(self.outputs.get(one) for one in own.coolant)),), at, place)
+        elif known != value:
+            number = float(self.side.channels.get(channel, channel))
+            self._add("output", (number, value), at, place, flying=text == 1)
+
+
+def same(one: Event, other: Event, feed_relative: float, seconds: float) -> bool | None:
+    """Whether two events are the same; None: a number of them is not known."""
+    if one.kind != other.kind or len(one.values) != len(other.values):
+        return False
+    is_open = False
+    for a, b in zip(one.values, other.values, strict=True):
+        if isinstance(a, str) or isinstance(b, str):
+            if a != b:
+                return False
+        elif math.isnan(a) or math.isnan(b):
+            is_open = True
+        elif one.kind == "dwell":
+            if abs(a - b) > seconds:
+                return False
+        elif abs(a - b) > (feed_relative * max(abs(a), abs(b)) if one.kind == "spindle" else 0.0):
+            return False
+    return None if is_open else True

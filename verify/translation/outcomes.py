@@ -1,0 +1,106 @@
+"""Waits and their outcomes, side by side: what ends a stretch, and which outcome of one is which of the other."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from gproof.ir.trace import Edge, Trace, Wait
+from gproof.verify.translation.comparison import Comparison, divergence
+from gproof.verify.translation.sides import Side
+from gproof.verify.translation.stretches import Stretch, is_joint
+
+__all__ = ["is_joint", "is_same_wait", "matched", "say_assumptions", "waits_agree", "ways_into"]
+
+ALIASES = {"ok": "yes", "cancel": "no"}
+"""Answers of dialogs by the words of a question."""
+PASSED = "come"
+"""How the wait for an input ends where it has no time limit."""
+
+
+def ways_into(trace: Trace) -> set[int]:
+    """Sections that several edges lead to, loops and places where outcomes come together."""
+    counts = Counter(edge.target for section in trace.sections for edge in section.edges)
+    return {target for target, count in counts.items() if count > 1 and target >= 0} | {0}
+
+
+def is_same_wait(one: Stretch, other: Stretch) -> bool:
+    """Whether two stretches end with the same kind of wait, with as many outcomes."""
+    a, b = one.edges, other.edges
+    return len(a) == len(b) and (not a or (a[0].wait is b[0].wait and is_joint(a) == is_joint(b)))
+
+
+def waits_agree(one: Stretch, other: Stretch, result: Comparison) -> bool:
+    """Whether the waits are of one kind and can be followed; what is not is kept."""
+    places = one.last_place, other.last_place
+    waits = [stretch.edges[0].wait if stretch.edges else Wait.UNKNOWN for stretch in (one, other)]
+    if Wait.UNKNOWN in waits:
+        result.open(divergence("not followed", places))
+        return False
+    if is_same_wait(one, other):
+        return True
+    names = waits[0].value, waits[1].value
+    if Wait.BRANCH in waits:
+        # A condition that is open on one side may be decided on the other.
+        result.open(divergence("branch", places, names=names))
+    else:
+        result.differs(divergence("wait", places, names=names))
+    return False
+
+
+def matched(one: Stretch, other: Stretch, result: Comparison) -> Iterator[tuple[Edge, Edge]]:
+    """Edges that belong together."""
+    wait = one.edges[0].wait
+    places = one.last_place, other.last_place
+    if len(one.edges) == 1:
+        a, b = one.edges[0], other.edges[0]
+        if wait is Wait.INPUT and a.outcome != b.outcome:
+            result.open(divergence("timeout", places, names=(a.outcome, b.outcome)))
+            return
+        yield a, b
+        return
+    swapped = False
+    if wait is Wait.BRANCH:
+        same = _same_question(one, other)
+        if same is None:
+            result.open(divergence("condition", places))
+            return
+        swapped = not same
+    theirs = {_name(edge.outcome, swapped=swapped): edge for edge in other.edges}
+    if {_name(edge.outcome) for edge in one.edges} != set(theirs):
+        result.differs(divergence("outcome", places, names=(_listed(one.edges), _listed(other.edges))))
+        return
+    yield from ((edge, theirs[_name(edge.outcome)]) for edge in one.edges)
+
+
+def _listed(edges: tuple[Edge, ...]) -> str:
+    return ", ".join(edge.outcome for edge in edges)
+
+
+def _name(outcome: str, *, swapped: bool = False) -> str:
+    name = ALIASES.get(outcome.lower(), outcome.lower())
+    return {"true": "false", "false": "true"}.get(name, name) if swapped else name
+
+
+def _same_question(one: Stretch, other: Stretch) -> bool | None:
+    """True: both ask the same; False: one asks the opposite; None: nobody can say."""
+    a, b = (stretch.side.trace.questions.get(stretch.sections[-1]) for stretch in (one, other))
+    if a is None or b is None or a.kind != b.kind:
+        return None
+    channels = one.side.inputs if a.kind == "input" else one.side.channels if a.kind == "output" else {}
+    if channels.get(a.channel, a.channel) != b.channel:
+        return None
+    return a.on == b.on
+
+
+def say_assumptions(sides: tuple[Side, Side], result: Comparison) -> None:
+    """What the answer rests on whatever the rows say."""
+    terms = sides[0].terms
+    for name in sorted(terms.left_out):
+        result.assume(f"not compared, because one of the controllers does not have it: {name}")
+    for mine, side in ((terms.source, sides[0]), (terms.target, sides[1])):
+        for meaning in side.meanings.values():
+            text = " + ".join(f"{'' if n == 1 else f'{n} '}{symbol}" for symbol, n in meaning.form)
+            number = f"{meaning.mm:g}" if meaning.mm or not text else ""
+            is_what = " + ".join(part for part in (number, text) if part)
+            result.assume(f"{meaning.symbol} of the {mine} program is {is_what}")

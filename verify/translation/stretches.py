@@ -1,0 +1,150 @@
+"""The moves of one side between two waits, as columns that can be compared, with the events between them.
+
+Moves of no length are left out: nothing moves, and what they might switch is an event of its own. Sections that follow
+each other without a question (an edge without outcome) are one stretch: such an edge is a place of the evaluation,
+where outcomes come together, and the machine goes on.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir.record import record
+from gproof.ir.trace import Edge, Op, TraceSection, Wait
+from gproof.verify.translation.align_kernels import Moves
+from gproof.verify.translation.comparison import Place
+from gproof.verify.translation.events import Devices, Event, EventReader
+from gproof.verify.translation.sides import Side
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+NO_LENGTH = 1e-12
+"""mm or degrees: what two roundings of one number differ by is no move."""
+
+
+@record(slots=True, kw_only=True)
+class Stretch:
+    """moves: its moves; start, start_frame: where it starts, position and number of its frame; places: (n, 2) file
+    and line of each move; events, rests: see ``events``; devices: their state at its end; edges: of its last section;
+    jumps: moves before which the place changed without a move; sections: their numbers; kept: by section the rows that
+    are moves.
+    """
+
+    moves: Moves
+    start: Floats
+    start_frame: int
+    places: Ints
+    events: list[Event]
+    rests: set[int]
+    devices: Devices
+    edges: tuple[Edge, ...]
+    jumps: Ints
+    sections: tuple[int, ...]
+    side: Side
+    kept: dict[int, Ints]
+
+    def place(self, row: int) -> Place | None:
+        """File and line of a move; of one that is not there, of the last."""
+        if not len(self.places):
+            return None
+        file, line = self.places[min(row, len(self.places) - 1)].tolist()
+        return self.side.trace.files[file], line
+
+    @property
+    def last_place(self) -> Place | None:
+        """File and line of what ends it, as far as known."""
+        edge = self.edges[0] if self.edges else None
+        if edge is not None and edge.line:
+            return self.side.trace.files[edge.file], edge.line
+        rows = self.side.trace.sections[self.sections[-1]].rows
+        if not len(rows):
+            return self.place(len(self.places))
+        return self.side.trace.files[int(rows["file"][-1])], int(rows["line"][-1])
+
+
+def is_joint(edges: tuple[Edge, ...]) -> bool:
+    """Whether a section ends where nothing is asked."""
+    return len(edges) == 1 and edges[0].wait is Wait.BRANCH and not edges[0].outcome
+
+
+def stretch_from(side: Side, number: int, devices: Devices, ends_of: set[int]) -> Stretch:
+    """The stretch that starts with a section; ends_of: sections before which it ends although nothing is asked."""
+    sections = [side.trace.sections[number]]
+    while is_joint(sections[-1].edges) or _is_read(sections[-1]):
+        target = sections[-1].edges[0].target
+        if target < 0 or target in ends_of or any(section.number == target for section in sections):
+            break
+        sections.append(side.trace.sections[target])
+    reader = EventReader(side, devices)
+    parts = [_Part(side, section) for section in sections]
+    count = 0
+    for part in parts:
+        reader.read(part.section.rows, part.before + count)
+        count += len(part.kept)
+    jumps = np.concatenate([part.jumps for part in parts]) if len(parts) > 1 else parts[0].jumps
+    start, shift = side.placed(np.array([sections[0].start_frame]), np.array([sections[0].start]))[:2]
+    return Stretch(
+        moves=_joined([part.moves for part in parts]), start=shift[0], start_frame=int(start[0]),
+        places=np.concatenate([part.places for part in parts]) if len(parts) > 1 else parts[0].places,
+        events=reader.found, rests=reader.rests | {0, count}, devices=reader.devices, edges=sections[-1].edges,
+        jumps=np.flatnonzero(jumps), sections=tuple(section.number for section in sections), side=side,
+        kept={part.section.number: part.kept for part in parts},
+    )  # fmt: skip
+
+
+def _is_read(section: TraceSection) -> bool:
+    """Whether a section ends with an input that is read at once: that takes no time and asks nothing."""
+    edges = section.edges
+    return len(edges) == 1 and edges[0].wait is Wait.INPUT and edges[0].outcome == "read"
+
+
+class _Part:
+    """The moves of one section."""
+
+    def __init__(self, side: Side, section: TraceSection) -> None:
+        self.section = section
+        rows = section.rows
+        op = rows["op"]
+        frame, to, forms = side.placed(rows["frame"], rows["to"])
+        start, start_to, start_forms = side.placed(np.array([section.start_frame]), np.array([section.start]))
+        came_to = np.concatenate([start_to, to[:-1]]) if len(to) else to
+        came_frame = np.concatenate([start, frame[:-1]]) if len(frame) else frame
+        came_forms = np.concatenate([start_forms, forms[:-1]]) if len(forms) else forms
+        moving = (np.abs(to - came_to) > NO_LENGTH) | (forms != came_forms)
+        axes = moving.sum(axis=1)
+        long = (axes > 0) | (op == Op.ARC) | (op == Op.PROBE)
+        kept = (op < 10) & long
+        self.kept = np.flatnonzero(kept)
+        number = np.cumsum(kept)
+        self.before: Ints = (number - kept).astype(np.int64)
+        take = self.kept
+        before = came_frame[take]
+        places = np.empty((len(take), 2), np.int64)
+        places[:, 0], places[:, 1] = rows["file"][take], rows["line"][take]
+        self.places = places
+        # The frame changes with rows that do not move: nobody says how the axes got there.
+        self.jumps = np.zeros(len(take), bool)
+        if len(take):
+            ends = np.concatenate([start, frame[take[:-1]]])
+            self.jumps = before != ends
+        self.moves = Moves(
+            op=op[take].astype(np.int64), to=np.ascontiguousarray(to[take]), frame=frame[take], before=before,
+            fact=side.facts(rows["state"])[take], feed=rows["feed"][take],
+            center=_shifted(side, rows["center"][take], rows["frame"][take]),
+            turns=rows["turns"][take].astype(np.int64), plane=rows["plane"][take].astype(np.int64),
+            axes=axes[take].astype(np.int64),
+        )  # fmt: skip
+
+
+def _shifted(side: Side, center: Floats, frame: Ints) -> Floats:
+    """Centres in shared names: they count in the frame of their row."""
+    _, moved, _ = side.placed(frame, np.zeros((len(frame), 6)))
+    return center + moved[:, :3]
+
+
+def _joined(parts: list[Moves]) -> Moves:
+    if len(parts) == 1:
+        return parts[0]
+    return Moves(*(np.concatenate([part[k] for part in parts]) for k in range(len(Moves._fields))))
