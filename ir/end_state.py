@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from gproof.ir.record import record
 
-if TYPE_CHECKING:
-    from gproof.ir.trace import Affine
+Form = tuple[tuple[str, int], ...]
+"""A sum of unknowns, as in a frame of the Trace."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -22,10 +20,10 @@ class EndState:
     meets. guards_off: as of ``State``. line, file: of the end.
     """
 
-    offsets: tuple[tuple[str, float, Affine], ...] | None = None
+    offsets: tuple[tuple[str, float, Form], ...] | None = None
     work: int | None = None
     tool: int | None = None
-    tool_offset: tuple[tuple[str, float, Affine], ...] | None = None
+    tool_offset: tuple[tuple[str, float, Form], ...] | None = None
     spindle: tuple[int, float] | None = None
     coolant: tuple[bool, bool] | None = None
     guards_off: tuple[str, ...] | None = None
