@@ -109,8 +109,9 @@ class MoveTo:
 @record(frozen=True, slots=True, kw_only=True)
 class ArcTo:
     """An arc or a helix. plane: of PLANES; clockwise: seen from the positive end of the axis across the plane of a
-    right-handed frame (in xz: from +Y); center: from the start, by axis; radius: instead of a centre, negative for more
-    than half a circle; turns: full circles besides, None: at most one. An end equal to the start is a full circle."""
+    right-handed frame (in xz: from +Y); center: by axis, relative: from the start, else a place in the frame; radius:
+    instead of a centre, negative for more than half a circle; turns: full circles besides, None: at most one. An end
+    equal to the start is a full circle."""
 
     to: tuple[AxisPlace, ...]
     plane: str
@@ -223,11 +224,15 @@ class SwitchOutput:
 class SetFrame:
     """Where work coordinates count from.
 
-    action: ``select`` (work offset ``number``); ``store`` (offset ``number`` := places, from machine zero);
-    ``store_here`` (offset ``number``: the present place is called places); ``local_here`` (the local offset: the
+    action: ``select`` (work offset ``number``; axes: of these alone, () of all); ``store`` (offset ``number`` :=
+    places, from machine zero); ``store_here`` (offset ``number``: the present place is called places);
+    ``zero_at`` (of the axes of places the work zero is there, from machine zero, in place of a work offset, which
+    stays as stored, until the next ``select``); ``zero_shift`` (as ``zero_at``, from the work zero in force);
+    ``zero_keep``, ``zero_recall`` (the work zero in force is kept apart; it is in force again);
+    ``local_here`` (the local offset: the
     present place is called places); ``local_at`` (the local offset := places, from the work offset); ``local_add``;
     ``local_off``, ``local_suspend``, ``local_restore``; ``rotate``
-    (``angle`` about places), ``scale`` (``factors``), ``mirror`` (axes of places), ``transform_off``.
+    (``angle`` about places), ``scale`` (``factors``), ``mirror`` (axes of places, about these), ``transform_off``.
     """
 
     action: str
@@ -236,11 +241,13 @@ class SetFrame:
     places: tuple[AxisPlace, ...] = ()
     angle: Quantity | None = None
     factors: tuple[AxisPlace, ...] = ()
+    axes: tuple[str, ...] = ()
 
 
 FRAME_ACTIONS = (
-    "select", "store", "store_here", "local_here", "local_at", "local_add", "local_off", "local_suspend",
-    "local_restore", "rotate", "rotate_off", "scale", "scale_off", "mirror", "mirror_off",
+    "select", "store", "store_here", "zero_at", "zero_shift", "zero_keep", "zero_recall", "local_here",
+    "local_at", "local_add", "local_off", "local_suspend", "local_restore", "rotate", "rotate_off", "scale",
+    "scale_off", "mirror", "mirror_off",
 )  # fmt: skip
 
 

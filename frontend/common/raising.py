@@ -46,6 +46,7 @@ from gproof.ir.program import (
     BlockTable,
     Call,
     Declare,
+    DeferredBlock,
     Expr,
     For,
     If,
@@ -59,6 +60,7 @@ from gproof.ir.program import (
     Repeat,
     Return,
     Statement,
+    Subprogram,
     Unary,
     Unsupported,
     Variable,
@@ -165,6 +167,14 @@ class Raiser:
         """A call of a subprogram; the usual one has no arguments."""
         return [self.run_routine(node.name, node.span, count=node.count)]
 
+    def at_end(self, sub: Subprogram | None) -> list[Node]:
+        """What the end of a subprogram, or of the job (None), does where it is reached."""
+        return []
+
+    def parameters_of(self, sub: Subprogram) -> tuple[Variable, ...]:
+        """The variables that a call gives values."""
+        return ()
+
     def comment_text(self, kind: int, text: bytes) -> str:
         """The text of a comment without its signs."""
         try:
@@ -181,6 +191,7 @@ class Raiser:
     def job(self) -> Job:
         """The program as a Job, verified."""
         body = self.statements((*self.program.head, *self.program.body))
+        body += self.at_end(None)
         body += self.comments.before(1 << 31)
         job = Job(
             source=self.program.dialect, files=[source.name for source in self.program.files], body=tuple(body),
@@ -208,6 +219,8 @@ class Raiser:
     def _once(self, body: Sequence[Statement]) -> list[Node]:
         found: list[Node] = []
         for node in body:
+            if type(node) is DeferredBlock:
+                node = node.made()
             span = _span_of(node, self)
             if span is not None and span.file == self.comments.file:
                 found += self.comments.before(span.line)
@@ -421,7 +434,7 @@ class Raiser:
         self.left.pop(name, None)
         self._to_comments_of(sub.span)
         try:
-            body = tuple(self.statements(sub.body))
+            body = (*self.statements(sub.body), *self.at_end(sub))
         finally:
             self.running.pop()
         after = self.modes
@@ -438,8 +451,9 @@ class Raiser:
             variant = name if not others else f"{name}~{others + 1}"
             is_file = sub.is_file or (bool(self.file_numbers) and self.file_numbers.get(sub.span.file, 0) > 0)
             self.routines[variant] = Routine(
-                name=variant, body=body, span=sub.span, file=sub.span.file if is_file else ""
-            )
+                name=variant, body=body, span=sub.span, file=sub.span.file if is_file else "",
+                parameters=self.parameters_of(sub),
+            )  # fmt: skip
         self.raised[key] = variant, after
 
     def _to_comments_of(self, span: Span) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import Any
 
 from gproof.ir.finding import Span
 from gproof.ir.program import Expr, Number
@@ -34,7 +35,15 @@ class Modes:
         """What is known on both ways; None: a way that nobody takes."""
         if other is None or other == self:
             return self
-        lost = {f.name: UNKNOWN_MODE for f in fields(self) if getattr(self, f.name) != getattr(other, f.name)}
+        lost: dict[str, Any] = {
+            f.name: UNKNOWN_MODE for f in fields(self) if getattr(self, f.name) != getattr(other, f.name)
+        }
+        if "more" in lost and UNKNOWN_MODE not in (self.more, other.more):
+            one, two = dict(self.more), dict(other.more)  # type: ignore[arg-type]
+            lost["more"] = tuple(
+                (name, one[name] if name in one and name in two and one[name] == two[name] else UNKNOWN_MODE)
+                for name in sorted(one.keys() | two.keys())
+            )
         return replace(self, **lost)
 
     def own(self, name: str, usual: object = None) -> object:
@@ -47,7 +56,7 @@ class Modes:
     def with_own(self, name: str, value: object) -> Modes:
         """The same with a mode of the dialect's own."""
         known = {} if isinstance(self.more, str) else dict(self.more)
-        return replace(self, more=tuple(sorted((known | {name: value}).items())))
+        return replace(self, more=tuple(sorted((known | {name: value}).items(), key=lambda pair: pair[0])))
 
 
 @record(frozen=True, slots=True)
