@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from differential import rs274_peer
 from hand.compare import rows_of
 from support.traps import AXES, READ, Case, cases, placed
 
@@ -97,7 +98,8 @@ def _worded(rows: list[dict[str, Any]], start: dict[str, float], dialect: str) -
         if dialect == "mcuwin" and "channel" in row:
             row["channel"] -= CHANNELS_OF_AN_AXIS
         if "to" in row:
-            low, high = ([row["ranges"][axis][end] for axis in AXES] for end in (0, 1))
+            ends = row.get("ranges") or {axis: (place, place) for axis, place in row["to"].items()}
+            low, high = ([ends[axis][end] for axis in AXES] for end in (0, 1))
             row["to"] = low if _same(low, high) else [None] * len(AXES)
             if row["op"] != "arc" and _same(row["to"], before):
                 continue
@@ -158,3 +160,28 @@ def test_wrong_translations_differ(case: Case, tmp_path: Path) -> None:
     for program in wrong:
         if case.dialect(program) in READ:
             assert against(case, program, tmp_path) != [], program
+
+
+OTHERS = [(case, name) for case in CASES for role in ("target", "wrong") for name in case.programs(role)]
+
+
+@pytest.mark.skipif(rs274_peer.missing() is not None, reason="LinuxCNC's interpreter is not installed")
+def test_texts_for_linuxcnc_and_grbl(tmp_path: Path) -> None:
+    """LinuxCNC's own interpreter reads them: the right ones give the rows of the page, the wrong ones do not."""
+    jobs, questions = [], []
+    for number, (case, name) in enumerate((c, n) for c, n in OTHERS if c.dialect(n) not in READ):
+        program = tmp_path / f"{number}.ngc"
+        program.write_bytes(case.section.files[name])
+        for setup in case.setups():
+            zeros = {n: dict(zip(AXES, setup[key], strict=True)) for n, key in ((1, "work"), (2, "second"))}
+            situation = rs274_peer.Situation(tools={1: (40.0, 6.0), 2: (40.0, 4.0)}, work=zeros)
+            jobs.append((program, situation))
+            questions.append((case, name, setup))
+    differences: dict[tuple[str, str], list[str]] = {}
+    for (case, name, setup), run in zip(questions, rs274_peer.run_peers(jobs), strict=True):
+        rows = _worded(run.rows, dict(zip(AXES, setup["start"], strict=True)), case.dialect(name))
+        wanted = [placed(row, setup) for row in case.rows(name)]
+        found = difference(wanted, rows)
+        differences.setdefault((case.name, name), []).append(found)
+    for (case_name, name), found in differences.items():
+        assert any(found) == name.startswith("wrong"), (case_name, name, found)

@@ -92,7 +92,10 @@ def arc(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 
 def _arc_feed(run: WinCncRun, line: Command, moved: set[int]) -> None:
-    """F of arcs is kept apart from that of lines (Feed Velocity); without one of either kind, where both agree."""
+    """F of arcs is kept apart from that of lines (Feed Velocity), or not: known where both readings agree.
+
+    They do after an F of an arc until lines have one: it is then the last of both.
+    """
     s = run.modal
     share = wincnc_settings(run.machine).arcs_share_feed
     value = line.values.get("F")
@@ -106,7 +109,8 @@ def _arc_feed(run: WinCncRun, line: Command, moved: set[int]) -> None:
         s.own = s.own.but(arc_feed=s.feed, feed_doubt=share is None and s.own.feeds[:2] != (s.feed, s.feed))
     else:
         own = usual_feed(run) if s.own.arc_feed is None else s.own.arc_feed
-        alike = share is False or (s.own.feeds[0] == own and s.own.feeds[1] == own)
+        last_of_both = s.own.arc_feed is not None and s.own.feed_doubt
+        alike = share is False or last_of_both or (s.own.feeds[0] == own and s.own.feeds[1] == own)
         s.feed = own if alike else math.nan
     s.feed_unit = 1.0
 

@@ -181,7 +181,8 @@ def run_moves(
                 doubt = 0 if ints[SHARE] == 0 or (floats[FEEDS] == rate and floats[FEEDS + 1] == rate) else 1
             else:
                 rate = floats[USUAL] if arc_feed < 0.0 else arc_feed
-                if ints[SHARE] != 0 and not (floats[FEEDS] == rate and floats[FEEDS + 1] == rate):
+                last_of_both = arc_feed >= 0.0 and doubt == 1
+                if ints[SHARE] != 0 and not (last_of_both or (floats[FEEDS] == rate and floats[FEEDS + 1] == rate)):
                     rate = math.nan
         if absolute:
             # An axis that now gets another frame needs a new frame index: Python path.
