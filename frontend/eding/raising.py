@@ -443,9 +443,16 @@ class EdingRaiser(Raiser):
                 top=AxisPlace(axis, self.length_of(kept["R"]), relative),
                 bottom=AxisPlace(axis, self.length_of(kept[depth]), relative),
                 peck=None if peck is None else self.length_of(peck),
+                clearance=None if peck is None else self._clearance(span),
                 dwell=None if dwell is None else Quantity(dwell, "s"),
             )
         ]  # fmt: skip
+
+    def _clearance(self, span: Span) -> Quantity:
+        """Above the last peck (3.4.21.4)."""
+        assert self.modes is not None
+        mm = self.program.rules.peck_clearance_mm
+        return Quantity(Number(mm / 25.4 if self.modes.unit == "inch" else mm, span), self.modes.unit)
 
     def _stop(self, line: Words, span: Span) -> list[Node]:
         """Step 21."""

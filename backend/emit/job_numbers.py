@@ -1,0 +1,36 @@
+"""Numbers of a Job as text, in the unit and with the decimals of a target's style."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gproof.backend.emit.numbers import number_text
+from gproof.ir.columns import Array
+from gproof.ir.job import MM
+from gproof.ir.target import Style
+
+
+def decimals_of(style: Style, unit: str) -> int:
+    """Most decimals of a quantity in this unit."""
+    return {
+        "mm": style.decimals_mm,
+        "cm": style.decimals_mm,
+        "inch": style.decimals_inch,
+        "deg": style.decimals_deg,
+    }.get(unit, style.decimals)
+
+
+def rounded(values: Array, decimals: int) -> Array:
+    """The nearest numbers with so many decimals; no zero has a sign."""
+    found: Array = np.round(values, decimals) + 0.0
+    return found
+
+
+def text_of(value: float, decimals: int) -> str:
+    """A number with at most so many decimals."""
+    return number_text(float(np.round(value, decimals)) + 0.0, False)
+
+
+def factor(unit: str, other: str) -> float:
+    """By what a number in ``unit`` is multiplied to be in ``other``; 1 where they are not both lengths."""
+    return MM[unit] / MM[other] if unit in MM and other in MM and unit != other else 1.0

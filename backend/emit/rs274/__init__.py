@@ -1,0 +1,1 @@
+"""Words of RS274/NGC, which Eding CNC, LinuxCNC and grbl share."""

@@ -1,0 +1,148 @@
+"""Target: what a controller has, of the operations of a Job, and how people write its programs.
+
+A target's table is ``ir/dialects/<name>/target.py``. Each feature that is legal names the section of the manual that
+says so; what is not named is rewritten by a pattern of ``passes/legalize/``, or the job is refused.
+"""
+
+from __future__ import annotations
+
+from gproof.ir.record import field, record
+
+FEATURES: dict[str, str] = {
+    "not_raised": "a construct without a neutral form",
+    "grid": "array of rows and columns",
+    "routine_count": "routine that runs several times",
+    "routine_arguments": "arguments of a routine",
+    "optional_part": "block delete",
+    "question": "question to the operator",
+    "choice": "choice",
+    "count_loop": "counted loop",
+    "repeat": "loop with the condition at its end",
+    "while": "loop with the condition at its start",
+    "jump": "jump to a label",
+    "routine": "subprogram",
+    "indirect": "variable whose number is computed",
+    "system_variable": "variable that the controller sets",
+    "input_value": "state of an input in an expression",
+    "variable": "variable",
+    "expression": "expression",
+    "cycle_repeats": "drilling cycle with repeats",
+    "cycle_plane": "drilling cycle in XZ or YZ",
+    "cycle_relative": "drilling cycle with relative places",
+    "cycle_clearance": "drilling cycle with a clearance of its own",
+    "cycle_drill": "drilling cycle",
+    "cycle_dwell": "drilling cycle with dwell",
+    "cycle_peck": "peck drilling",
+    "cycle_chip_break": "chip breaking",
+    "cycle_bore": "boring, feed out",
+    "cycle_bore_dwell": "boring with dwell, feed out",
+    "cycle_bore_stop": "boring, spindle stop, rapid out",
+    "cycle_tap_right": "right-hand tapping",
+    "cycle_tap_left": "left-hand tapping",
+    "arc_turns": "arc of more than one turn",
+    "arc_radius": "arc by its radius",
+    "arc_full": "full circle",
+    "arc_helix": "helix",
+    "arc_xz": "arc in XZ",
+    "arc_yz": "arc in YZ",
+    "arc": "arc by its centre",
+    "unit_cm": "centimetres",
+    "unit_inch": "inches",
+    "unit_mm": "millimetres",
+    "relative": "relative places",
+    "probe": "probing move",
+    "inverse_time": "inverse time feed",
+    "per_revolution": "feed per revolution",
+    "machine_move": "move in machine coordinates",
+    "park": "parking place of the controller",
+    "home": "reference run",
+    "frame_rotate": "rotation of coordinates",
+    "frame_scale": "scaling of coordinates",
+    "frame_mirror": "mirrored coordinates",
+    "frame_store_here": "work offset set at the present place",
+    "frame_store": "work offset stored",
+    "frame_select": "work offset selected",
+    "frame_local_restore": "local offset restored",
+    "frame_local_suspend": "local offset suspended",
+    "frame_local_add": "local offset added to",
+    "frame_local_at": "local offset at a place",
+    "frame_local_here": "local offset set at the present place",
+    "frame_local_off": "local offset off",
+    "path_continuous": "continuous path",
+    "path_tolerance": "tolerance of continuous path",
+    "path_exact_stop": "exact stop",
+    "path_exact_path": "exact path",
+    "compensation": "cutter compensation",
+    "compensation_diameter": "cutter compensation with a diameter of its own",
+    "length": "tool length offset",
+    "tool_select": "tool selected before the change",
+    "tool_change": "tool change",
+    "spindle_speed": "spindle speed",
+    "spindle": "spindle on and off",
+    "mist": "mist coolant",
+    "flood": "flood coolant",
+    "output_moving": "output without stopping motion",
+    "output": "output",
+    "wait_timeout": "wait for an input, with a time limit",
+    "wait": "wait for an input",
+    "dwell": "dwell",
+    "optional_stop": "optional stop",
+    "stop": "program stop",
+    "overrides": "overrides allowed or not",
+    "message": "message",
+    "feed_alone": "feed on a line of its own",
+    "straight": "straight move with feed",
+    "rapid": "rapid",
+    "end_reset": "end of program with reset",
+    "end": "end of program",
+    "comment": "comment",
+}
+"""Every feature of a Job, in words; those that others are rewritten into come after them, so that rewriting ends."""
+
+RANK = {name: len(FEATURES) - place for place, name in enumerate(FEATURES)}
+"""Patterns may only produce features of a lower rank than the one that they remove."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Style:
+    """How programs are written. decimals: most places after the point of mm, inches, degrees and other numbers;
+    extension: of files; header, footer: lines of every program; newline; indent: blanks a block; numbers: step of line
+    numbers, 0 for none; line_length: most characters, 0 for any."""
+
+    decimals_mm: int = 4
+    decimals_inch: int = 5
+    decimals_deg: int = 4
+    decimals: int = 4
+    extension: str = ".nc"
+    header: tuple[str, ...] = ()
+    footer: tuple[str, ...] = ()
+    newline: str = "\n"
+    indent: int = 2
+    numbers: int = 0
+    line_length: int = 0
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Target:
+    """legal: feature -> section of the manual; variables: numbers that a program may use freely; axes: names of those
+    that programs have; path_modes: whether programs say how corners are taken; straight_rapids: rapids of several axes
+    are straight lines, None: the manual does not say; offsets: numbers of work offsets; tools: highest number;
+    peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine."""
+
+    name: str
+    title: str
+    legal: dict[str, str] = field(repr=False)
+    style: Style = Style()
+    variables: tuple[int, int] = (0, -1)
+    axes: tuple[str, ...] = ("x", "y", "z", "a", "b", "c")
+    path_modes: bool = False
+    straight_rapids: bool | None = None
+    offsets: int = 9
+    tools: int = 99
+    peck_clearance: float | None = None
+
+    def verify(self) -> None:
+        """Features are those that there are; ValueError otherwise."""
+        for feature, source in self.legal.items():
+            if feature not in FEATURES or not source:
+                raise ValueError(f"{self.name}: {feature!r} is no feature, or has no source")

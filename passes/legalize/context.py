@@ -1,0 +1,228 @@
+"""What legalising knows at a place of the job: values of variables, where the axes are, what was done so far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from gproof.ir.columns import Array
+from gproof.ir.finding import Span
+from gproof.ir.job import (
+    MM,
+    ArcTo,
+    AxisPlace,
+    ChangeTool,
+    Choice,
+    CountLoop,
+    DrillHole,
+    HomeAxes,
+    Job,
+    LoopWhile,
+    Moves,
+    MoveTo,
+    Node,
+    Nodes,
+    OptionalPart,
+    ParkAt,
+    Quantity,
+    RepeatGrid,
+    RunRoutine,
+    SetFrame,
+    SetVariable,
+    TurnSpindle,
+    UseLength,
+    walk,
+)
+from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.program import Expr, Number
+from gproof.ir.record import field, record
+from gproof.ir.target import Target
+from gproof.passes.legalize.constants import constant
+
+MOST_OPERATIONS = 200_000
+"""Operations that loops and routines may be unrolled into."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Options:
+    """chord_tolerance: mm that chords may be off an arc. channels: outputs of the source -> of the target; inputs too;
+    tools: of the source -> of the target; coolant: word of the source -> of the target (``mist`` -> ``flood``);
+    block_delete: whether the switch is on, None: not known; setup: variables whose values are stated."""
+
+    chord_tolerance: float = 0.01
+    outputs: Mapping[int, int] = field(default_factory=dict)
+    inputs: Mapping[int, int] = field(default_factory=dict)
+    tools: Mapping[int, int] = field(default_factory=dict)
+    coolant: Mapping[str, str] = field(default_factory=dict)
+    block_delete: bool | None = None
+    values: Mapping[int, float] = field(default_factory=dict)
+
+
+@record(frozen=True, slots=True)
+class Lowered:
+    """A pattern that was used. times: how often, from the line of ``span`` on."""
+
+    pattern: str
+    feature: str
+    span: Span
+
+
+class TooLong(Exception):
+    """More operations than MOST_OPERATIONS."""
+
+
+class Context:
+    """place: mm or degrees by axis, in the frame in force, of axes whose place is known; values: variables that are;
+    spindle: the direction that is known to be in force, else ""."""
+
+    def __init__(self, job: Job, target: Target, options: Options) -> None:
+        self.job = job
+        self.target = target
+        self.options = options
+        self.values: dict[int, float] = dict(options.values)
+        self.place: dict[str, float] = {}
+        self.spindle = ""
+        self.lowered: list[Lowered] = []
+        self.assumed: dict[str, None] = {}
+        self.spent = 0
+
+    # ---- values
+
+    def value(self, expr: Expr) -> float | None:
+        """A constant, None where it is none."""
+        return constant(expr, self.values)
+
+    def mm(self, amount: Quantity) -> float | None:
+        """A quantity in mm, degrees or its own unit."""
+        value = self.value(amount.value)
+        return None if value is None else value * MM.get(amount.unit, 1.0)
+
+    def spend(self, count: int = 1) -> None:
+        """Charge operations that were not in the source; TooLong."""
+        self.spent += count
+        if self.spent > MOST_OPERATIONS:
+            raise TooLong
+
+    def assume(self, text: str) -> None:
+        """Note an assumption of the whole translation."""
+        self.assumed[text] = None
+
+    # ---- what an operation leaves
+
+    def after(self, node: Node) -> None:
+        """Follow an operation that stays as it is."""
+        if isinstance(node, Moves):
+            self._after_moves(node)
+        elif isinstance(node, MoveTo):
+            self._go(node.to, known=node.frame == "work" and node.kind != "probe")
+        elif isinstance(node, ArcTo):
+            self._go(node.to, known=True)
+        elif isinstance(node, DrillHole):
+            self._after_hole(node)
+        elif isinstance(node, SetVariable):
+            self._set(node)
+        elif isinstance(node, SetFrame):
+            here = {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None and not p.relative}
+            self.place = here if node.action == "local_here" else {}
+        elif isinstance(node, TurnSpindle):
+            self.spindle = self.spindle if node.direction == "speed" else node.direction
+        elif isinstance(node, ParkAt | HomeAxes | ChangeTool | UseLength):
+            self.place = {}
+        elif isinstance(node, RunRoutine):
+            self.forget(self.job.routines[node.name].body)
+        elif isinstance(node, Choice | LoopWhile | CountLoop | OptionalPart | RepeatGrid):
+            self.forget((node,))
+
+    def _go(self, to: Iterable[AxisPlace], *, known: bool) -> None:
+        for place in to:
+            at = self.mm(place.at) if known else None
+            if at is not None and place.relative:
+                before = self.place.get(place.axis)
+                at = None if before is None else before + at
+            if at is None:
+                self.place.pop(place.axis, None)
+            else:
+                self.place[place.axis] = at
+
+    def _after_hole(self, node: DrillHole) -> None:
+        self._go(node.at, known=node.repeats is None)
+        top, before = self.mm(node.top.at), self.place.get(node.top.axis)
+        if top is None or node.top.relative or (node.back == "before" and before is None):
+            self.place.pop(node.top.axis, None)
+        elif node.back == "top" or before is None or before < top:
+            self.place[node.top.axis] = top
+
+    def _after_moves(self, node: Moves) -> None:
+        rows, scale = node.rows, MM[node.unit]
+        for column, axis in enumerate(AXIS_NAMES):
+            named = np.flatnonzero(rows["axes"] & np.uint8(1 << column))
+            if not len(named):
+                continue
+            unit = scale if column < 3 else 1.0
+            if node.relative:
+                if axis in self.place:
+                    self.place[axis] += float(rows["to"][named, column].sum()) * unit
+            else:
+                self.place[axis] = float(rows["to"][named[-1], column]) * unit
+
+    def _set(self, node: SetVariable) -> None:
+        number, value = self.value(node.target.number), self.value(node.value)
+        if number is None:
+            self.values.clear()
+        elif value is None:
+            self.values.pop(round(number), None)
+        else:
+            self.values[round(number)] = value
+
+    def forget(self, body: Nodes) -> None:
+        """What these operations may change is not known after them: places, and variables that they write."""
+        self.place, self.spindle = {}, ""
+        for node in self._all(body, set()):
+            if isinstance(node, SetVariable):
+                number = node.target.number
+                if not isinstance(number, Number):
+                    self.values.clear()
+                    return
+                self.values.pop(round(number.value), None)
+            elif isinstance(node, CountLoop) and isinstance(node.variable.number, Number):
+                self.values.pop(round(node.variable.number.value), None)
+            elif isinstance(node, RunRoutine):
+                for target, _ in node.arguments:
+                    if isinstance(target.number, Number):
+                        self.values.pop(round(target.number.value), None)
+
+    def _all(self, body: Nodes, seen: set[str]) -> Iterable[Node]:
+        """Operations of a body and of the routines that it runs."""
+        for node in walk(body):
+            yield node
+            if isinstance(node, RunRoutine) and node.name not in seen:
+                seen.add(node.name)
+                yield from self._all(self.job.routines[node.name].body, seen)
+
+    def routine_nodes(self, name: str) -> Iterable[Node]:
+        """Operations of a routine and of those that it runs."""
+        return self._all(self.job.routines[name].body, {name})
+
+
+def positions(moves: Moves, place: Mapping[str, float]) -> tuple[Array, Array]:
+    """Places in the unit of a table before and after each row, (rows, 6); NaN where that of an axis is not known."""
+    rows = moves.rows
+    count = len(rows)
+    after = np.full((count, len(AXIS_NAMES)), np.nan)
+    before = np.full((count, len(AXIS_NAMES)), np.nan)
+    scale = MM[moves.unit]
+    for column, axis in enumerate(AXIS_NAMES):
+        unit = scale if column < 3 else 1.0
+        start = place[axis] / unit if axis in place else np.nan
+        named = (rows["axes"] & np.uint8(1 << column)) != 0
+        values = rows["to"][:, column]
+        if moves.relative:
+            after[:, column] = start + np.cumsum(np.where(named, values, 0.0))
+        else:
+            last = np.where(named, np.arange(count), -1)
+            np.maximum.accumulate(last, out=last)
+            after[:, column] = np.where(last >= 0, values[np.maximum(last, 0)], start)
+        before[0, column] = start
+        before[1:, column] = after[:-1, column]
+    return before, after

@@ -1,0 +1,199 @@
+"""Bring a Job to what a target has, after the fashion of MLIR's dialect conversion.
+
+An operation is legal when all its features are in the target's table. Otherwise the patterns for its highest feature
+that is not are tried in order; what one of them gives is looked at again. Each pattern gives features of a lower rank
+than the one it removes (or spends operations of a bounded number), so that this ends. Where none applies, the
+construct is refused with its line and the patterns that were tried.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
+
+from gproof.ir.finding import Span
+from gproof.ir.job import (
+    Choice,
+    CountLoop,
+    DrillHole,
+    Job,
+    LoopWhile,
+    Node,
+    Nodes,
+    NotRaised,
+    OptionalPart,
+    RepeatGrid,
+    Routine,
+    RunRoutine,
+    bodies,
+    walk,
+)
+from gproof.ir.job_features import features
+from gproof.ir.record import field, record
+from gproof.ir.target import FEATURES, RANK, Target
+from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
+from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.registry import PATTERNS
+
+
+SAME_CLEARANCE = 1e-9
+"""mm that two clearances differ by rounding."""
+
+
+@record(frozen=True, slots=True)
+class NotLegal:
+    """A construct that the target does not have. tried: names of the patterns that did not apply."""
+
+    construct: str
+    why: str
+    span: Span
+    tried: tuple[str, ...] = ()
+
+
+@record(slots=True, kw_only=True)
+class Legal:
+    """job: everything is legal in it where nothing is refused, else what comes before the first of these, with
+    ``partial`` saying so."""
+
+    job: Job
+    lowered: list[Lowered] = field(default_factory=list)
+    refused: list[NotLegal] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+
+
+def legalize(job: Job, target: Target, options: Options) -> Legal:
+    """The whole job."""
+    return _Legalizer(job, target, options).run()
+
+
+class _Legalizer:
+    def __init__(self, job: Job, target: Target, options: Options) -> None:
+        self.job = job
+        self.target = target
+        self.options = options
+        self.context = Context(job, target, options)
+        self.refused: list[NotLegal] = []
+        self.patterns: dict[str, list[Pattern]] = {}
+        for pattern in PATTERNS:
+            for feature in pattern.removes:
+                self.patterns.setdefault(feature, []).append(pattern)
+        self.routines: dict[str, Routine] = {}
+
+    def run(self) -> Legal:
+        """The body first: it says which routines stay."""
+        try:
+            body = self.body(self.job.body)
+            for name in self._reached(body):
+                self.context.place, self.context.values = {}, {}
+                routine = self.job.routines[name]
+                self.routines[name] = replace(routine, body=self.body(routine.body))
+        except TooLong:
+            body = ()
+            span = self.context.lowered[-1].span if self.context.lowered else Span(self.job.files[0], 1)
+            why = "unrolled, it has more operations than can be written"
+            self.refused.append(NotLegal("a loop or a subprogram", why, span))
+        legal = Job(source=self.job.source, files=self.job.files, body=body, routines=self.routines)
+        if not self.refused:
+            legal.verify()
+        return Legal(job=legal, lowered=self.context.lowered, refused=self.refused, assumed=list(self.context.assumed))
+
+    def _reached(self, body: Nodes) -> list[str]:
+        """Routines that legal operations run, each after those that it runs itself were found."""
+        found: dict[str, None] = {}
+        rest = [body]
+        while rest:
+            for node in _runs(rest.pop()):
+                if node.name not in found:
+                    found[node.name] = None
+                    rest.append(self.job.routines[node.name].body)
+        return [name for name in self.job.routines if name in found]
+
+    def missing(self, node: Node) -> list[str]:
+        """Features that the target does not have, the highest first."""
+        found = {feature for feature in features(node) if feature not in self.target.legal}
+        if isinstance(node, RunRoutine) and "variable" not in self.target.legal and self._is_computed(node):
+            found.add("routine_arguments")
+        if isinstance(node, DrillHole) and node.clearance is not None:
+            own, given = self.target.peck_clearance, self.context.mm(node.clearance)
+            if own is not None and given is not None and abs(given - own) < SAME_CLEARANCE:
+                found.discard("cycle_clearance")
+        return sorted(found, key=lambda feature: -RANK[feature])
+
+    def _is_computed(self, node: RunRoutine) -> bool:
+        """Whether a routine works with variables, so that each of its runs is another list of moves."""
+        return any("variable" in features(one) for one in self.context.routine_nodes(node.name))
+
+    def body(self, nodes: Nodes) -> Nodes:
+        """A list of operations, legal."""
+        found: list[Node] = []
+        rest = list(reversed(nodes))
+        while rest:
+            node = rest.pop()
+            missing = self.missing(node)
+            if not missing:
+                inside = self._inside(node)
+                self.context.after(inside)
+                found.append(inside)
+                continue
+            instead = self._rewritten(node, missing[0])
+            if instead is None:
+                self.context.forget((node,))
+            else:
+                rest.extend(reversed(instead))
+        return tuple(found)
+
+    def _rewritten(self, node: Node, feature: str) -> list[Node] | None:
+        tried = []
+        for pattern in self.patterns.get(feature, ()):
+            instead = pattern.apply(node, feature, self.context)
+            if instead is not None:
+                self._check_rank(pattern, feature, instead)
+                self.context.lowered.append(Lowered(pattern.name, feature, node.span))
+                return instead
+            tried.append(pattern.name)
+        if isinstance(node, NotRaised):
+            self.refused.append(NotLegal(node.construct, node.why, node.span))
+        else:
+            why = f"{self.target.title} does not have it"
+            self.refused.append(NotLegal(FEATURES[feature], why, node.span, tuple(tried)))
+        return None
+
+    def _check_rank(self, pattern: Pattern, feature: str, instead: list[Node]) -> None:
+        if pattern.unrolls:
+            self.context.spend(max(1, len(instead)))
+            return
+        high = [
+            one for node in instead for one in features(node)
+            if one not in self.target.legal and RANK[one] >= RANK[feature]
+        ]  # fmt: skip
+        if high:
+            raise ValueError(f"pattern {pattern.name} gives {high[0]} for {feature}")
+
+    def _inside(self, node: Node) -> Node:
+        """An operation with what is within it legal too."""
+        if not bodies(node):
+            return node
+        before = self.context
+        if isinstance(node, Choice):
+            values, place = dict(before.values), dict(before.place)
+            then = self.body(node.then)
+            after = dict(before.values), dict(before.place)
+            before.values, before.place = values, place
+            otherwise = self.body(node.otherwise)
+            before.values = _same(after[0], before.values)
+            before.place = _same(after[1], before.place)
+            return replace(node, then=then, otherwise=otherwise)
+        assert isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid)
+        before.forget((node,))
+        return replace(node, body=self.body(node.body))
+
+
+K = TypeVar("K")
+
+
+def _same(left: dict[K, float], right: dict[K, float]) -> dict[K, float]:
+    return {key: value for key, value in left.items() if right.get(key) == value}
+
+
+def _runs(body: Nodes) -> list[RunRoutine]:
+    return [node for node in walk(body) if isinstance(node, RunRoutine)]

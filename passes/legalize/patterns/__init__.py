@@ -1,0 +1,1 @@
+"""Patterns, a file for each kind of construct; ``registry.py`` lists them."""

@@ -1,0 +1,37 @@
+"""Choices -> the way that is taken, where that is known."""
+
+from __future__ import annotations
+
+from gproof.ir.job import Choice, Node, OptionalPart
+from gproof.passes.legalize.context import Context
+from gproof.passes.legalize.pattern import Pattern
+
+
+def decided(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A choice by a condition whose value is known."""
+    if not isinstance(node, Choice):
+        return None
+    condition = context.value(node.condition)
+    if condition is None:
+        return None
+    return list(node.then if condition != 0.0 else node.otherwise)
+
+
+def switched(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """What block delete leaves out, where the position of its switch is stated."""
+    if not isinstance(node, OptionalPart) or context.options.block_delete is None:
+        return None
+    on = context.options.block_delete
+    context.assume(f"the switch for block delete is {'on' if on else 'off'}")
+    return [] if on else list(node.body)
+
+
+PATTERNS = (
+    Pattern(
+        name="choice -> the way that is taken", removes=("choice", "variable", "expression"), apply=decided,
+        unrolls=True,
+    ),
+    Pattern(
+        name="block delete -> what its switch says", removes=("optional_part",), apply=switched, unrolls=True
+    ),
+)  # fmt: skip

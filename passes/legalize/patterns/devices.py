@@ -1,0 +1,75 @@
+"""Coolant, tools, outputs, messages, ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gproof.ir.job import ChangeTool, EndJob, Node, Remark, ShowText, SwitchCoolant
+from gproof.ir.program import Number, Text
+from gproof.passes.legalize.context import Context
+from gproof.passes.legalize.pattern import Pattern
+
+
+def coolant_by_map(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A coolant that the target does not have, as the other one, where the map says so."""
+    if not isinstance(node, SwitchCoolant):
+        return None
+    other = context.options.coolant.get(feature)
+    if other is None and (node.mist or node.flood):
+        return None
+    if feature == "mist":
+        flood = node.flood if other != "flood" or node.mist is None else node.mist or node.flood
+        return [replace(node, mist=None, flood=flood)] if flood is not None else []
+    mist = node.mist if other != "mist" or node.flood is None else node.flood or node.mist
+    return [replace(node, flood=None, mist=mist)] if mist is not None else []
+
+
+def selected_with_the_change(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A tool that is selected before the change: with a change by hand it only matters then."""
+    if not isinstance(node, ChangeTool) or node.change or node.number is None:
+        return None
+    number = context.value(node.number)
+    if number is None:
+        return None
+    context.values[SELECTED] = number
+    return []
+
+
+SELECTED = -1
+"""Number of no variable: under it the context keeps the tool that is selected."""
+
+
+def change_with_number(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A change that does not name its tool, after one that was selected."""
+    if not isinstance(node, ChangeTool) or not node.change or node.number is not None:
+        return None
+    number = context.values.get(SELECTED)
+    return None if number is None else [replace(node, number=Number(number, node.span), select=True)]
+
+
+def message_as_comment(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A text for the operator moves nothing: as a comment it is at its place."""
+    if not isinstance(node, ShowText):
+        return None
+    text = " ".join(part.value if isinstance(part, Text) else "..." for part in node.parts)
+    context.assume("messages to the operator are comments")
+    return [Remark(text=text.strip(), span=node.span)]
+
+
+def plain_end(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """The one end that the target has."""
+    if not isinstance(node, EndJob):
+        return None
+    return [replace(node, reset=not node.reset)]
+
+
+PATTERNS = (
+    Pattern(name="coolant -> the other coolant", removes=("mist", "flood"), apply=coolant_by_map, unrolls=True),
+    Pattern(name="tool selected early -> at the change", removes=("tool_select",), apply=selected_with_the_change),
+    Pattern(name="change -> change with a number", removes=("tool_change",), apply=change_with_number, unrolls=True),
+    Pattern(
+        name="message -> comment", removes=("message", "variable", "expression", "system_variable"),
+        apply=message_as_comment,
+    ),
+    Pattern(name="end -> the end that there is", removes=("end", "end_reset"), apply=plain_end, unrolls=True),
+)  # fmt: skip

@@ -1,0 +1,30 @@
+"""The registry of patterns: a line each; for one feature they are tried in this order."""
+
+from __future__ import annotations
+
+from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.patterns import (
+    arcs,
+    choices,
+    constants,
+    cycles,
+    devices,
+    grids,
+    loops,
+    paths,
+    places,
+    routines,
+)
+
+PATTERNS: tuple[Pattern, ...] = (
+    *grids.PATTERNS,
+    *routines.PATTERNS,
+    *choices.PATTERNS,
+    *loops.PATTERNS,
+    *constants.PATTERNS,
+    *cycles.PATTERNS,
+    *arcs.PATTERNS,
+    *places.PATTERNS,
+    *paths.PATTERNS,
+    *devices.PATTERNS,
+)
