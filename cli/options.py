@@ -28,7 +28,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 FILE = "FILE"
 GIVEN, PROGRAM, REQUIRED = "Machine and setup", "Program", "Requirements"
 REPORT, SEVERAL, PACKAGE, RECORD = "Output", "Several jobs", "Package", "Record of the run"
-AGAIN, BOARD, READ = "Compile again", "Run", "Input"
+AGAIN, BOARD, READ, TRANSLATION = "Compile again", "Run", "Input", "Translation"
 """Titles of options in the help."""
 MOST = 10**15
 """Of what is counted: whatever is larger says no more."""

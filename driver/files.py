@@ -76,9 +76,14 @@ def write_text(path: Path, text: str, what: str) -> None:
 
     Names of files that are no UTF-8 are in it as on standard output: ``\\udcff`` for a byte 0xFF.
     """
+    write_bytes(path, text.encode("utf-8", "backslashreplace"), what)
+
+
+def write_bytes(path: Path, text: bytes, what: str) -> None:
+    """The same of bytes."""
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        draft.write_text(text, encoding="utf-8", errors="backslashreplace")
+        draft.write_bytes(text)
         os.replace(draft, path)
     except BaseException as error:
         with contextlib.suppress(OSError):

@@ -35,7 +35,6 @@ from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
 from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.registry import PATTERNS
 
-
 SAME_CLEARANCE = 1e-9
 """mm that two clearances differ by rounding."""
 

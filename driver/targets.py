@@ -1,0 +1,41 @@
+"""The registry of targets of translation: one line each.
+
+A target that gproof reads too is compared by its own front end; the others are read back by ``verify``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from gproof.ir.record import record
+
+if TYPE_CHECKING:
+    from gproof.ir.job import Job
+    from gproof.ir.machine import Machine
+    from gproof.ir.target import Style, Target
+
+
+@record(frozen=True, slots=True)
+class TargetEntry:
+    """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own."""
+
+    target: Callable[[], Target]
+    write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]
+
+
+def _eding() -> Target:
+    from gproof.ir.dialects.eding.target import TARGET
+
+    return TARGET
+
+
+def _write_eding(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
+    from gproof.backend.emit.eding.from_job import write
+
+    return write(job, target, machine, style)
+
+
+TARGETS: dict[str, TargetEntry] = {
+    "eding": TargetEntry(_eding, _write_eding),
+}

@@ -1,0 +1,256 @@
+"""A job for another controller: raised, legalised, printed, read again and compared.
+
+``translate`` gives what was written and what is known of it; it writes no file.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from gproof.backend.emit.printer import Unprintable
+from gproof.driver.dialects import DIALECTS
+from gproof.driver.errors import UsageError
+from gproof.driver.running import execute
+from gproof.driver.session import Running, Session, open_session
+from gproof.driver.targets import TARGETS
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.job import Job
+from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.program import Program
+from gproof.ir.record import field, record
+from gproof.ir.setup import NOTHING, Setup
+from gproof.ir.target import Target
+from gproof.ir.trace import Trace
+from gproof.ir.translation_terms import TranslationTerms
+from gproof.ir.verdict import Verdict
+from gproof.passes.legalize.context import Lowered, Options
+from gproof.passes.legalize.legalize import Legal, legalize
+from gproof.verify.translation.compare import compare
+from gproof.verify.translation.comparison import Comparison, Divergence
+from gproof.verify.translation.words import sentence, where
+
+EXACT_DECIMALS = 12
+"""Decimals with ``exact``: more than a double has of millimetres."""
+ROUNDING = 1.02
+"""Rounding of sums besides that of the printed digits."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """What to translate: the arguments of ``gproof translate``. to: a key of TARGETS; machine, machine_to: files."""
+
+    job: Path
+    to: str
+    machine: Path | None = None
+    machine_to: Path | None = None
+    setup: str | None = None
+    dialect: str | None = None
+    chord_tolerance: float = 0.01
+    exact: bool = False
+    straight_rapids: bool = False
+    running: Running = Running()
+
+
+@record(slots=True, kw_only=True)
+class Translation:
+    """How it went. verdict: SAFE where ``files`` is proven to be the same job; files: text by name, "" for the job's
+    own, empty where it is refused; lowered: patterns used; comparison: None where nothing was compared."""
+
+    session: Session
+    target: Target
+    verdict: Verdict
+    files: dict[str, bytes] = field(default_factory=dict)
+    lowered: list[Lowered] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    findings: Findings = field(default_factory=Findings)
+    comparison: Comparison | None = None
+
+
+def translate(wanted: Wanted) -> Translation:
+    """UsageError (exit 3) for files that cannot be used at all."""
+    if wanted.to not in TARGETS:
+        raise UsageError(f"--to {wanted.to}: choose one of {', '.join(TARGETS)}")
+    session = open_session(wanted.job, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect)
+    entry = TARGETS[wanted.to]
+    target = entry.target()
+    done = Translation(session=session, target=target, verdict=Verdict.UNKNOWN)
+    if session.program is None or session.findings.has(Severity.ERROR):
+        for finding in session.findings.kept:
+            done.findings.add(finding)
+        return done
+    machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
+    legal = legal_job(session, target, machine_to, wanted)
+    done.lowered, done.assumed = legal.lowered, list(legal.assumed)
+    for refused in legal.refused:
+        tried = f"tried: {'; '.join(refused.tried)}" if refused.tried else ""
+        done.findings.add(
+            codes.NOT_TRANSLATED.at(
+                refused.span, construct=refused.construct, target=target.title, why=refused.why, hint=tried
+            )
+        )
+    if legal.refused:
+        return done
+    styles = [target.style]
+    exact = replace(
+        target.style, decimals_mm=EXACT_DECIMALS, decimals_inch=EXACT_DECIMALS, decimals_deg=EXACT_DECIMALS,
+        decimals=EXACT_DECIMALS,
+    )  # fmt: skip
+    if wanted.exact:
+        styles = [exact]
+    for style in styles:
+        try:
+            done.files = entry.write(legal.job, target, machine_to, style)
+        except Unprintable as error:
+            span = Span(str(wanted.job), 1)
+            why = "it has no text for it"
+            done.findings.add(codes.NOT_TRANSLATED.at(span, construct=str(error), target=target.title, why=why))
+            return done
+        prove(done, machine_to, wanted, style.decimals_mm)
+    return done
+
+
+def _machine(path: Path) -> Machine:
+    from gproof.driver.dialects import load_machine
+    from gproof.driver.files import require_file
+
+    require_file(path, "machine file")
+    findings = Findings()
+    machine, _ = load_machine(path, findings)
+    if machine is None:
+        raise UsageError(f"machine file {path}: cannot be used, see the errors above", findings)
+    return machine
+
+
+def raised(session: Session) -> Job:
+    """The neutral form of a session's program; UsageError where its language has none."""
+    raising = DIALECTS[session.dialect].frontend.raise_program
+    if raising is None or session.program is None:
+        raise UsageError(f"{session.job}: {session.dialect} has no neutral form")
+    return raising(session.program, session.machine)
+
+
+def legal_job(session: Session, target: Target, machine: Machine, wanted: Wanted) -> Legal:
+    """The job as the target can have it."""
+    setup = session.setup
+    values = {number: float(value) for number, value in setup.parameters.items()}
+    options = Options(
+        chord_tolerance=wanted.chord_tolerance, block_delete=setup.block_delete, values=values,
+    )  # fmt: skip
+    return legalize(raised(session), target, options)
+
+
+def any_zero(setup: Setup) -> Setup:
+    """A setup of which only stays what is no offset: start, work zero and tool lengths are unknown."""
+    return replace(
+        setup, name="any work zero", homed=tuple(AXIS_NAMES), start={}, work={}, g92={}, tool_lengths={}, measures={},
+        default_start=None, default_offset=None, active_work=setup.active_work or 1, tool=None, workpiece=None,
+        keep_out=(),
+    )  # fmt: skip
+
+
+def prove(done: Translation, machine: Machine, wanted: Wanted, decimals: int) -> None:
+    """Read what was printed, under the target's machine, and compare both traces."""
+    session = done.session
+    assert session.program is not None
+    own = Findings()
+    source = _trace(session.program, session.setup, session.machine, own, wanted.running, session)
+    for finding in own.kept:
+        if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
+            done.findings.add(finding)
+    read = Findings()
+    with tempfile.TemporaryDirectory() as folder:
+        program, machine = _read_back(done, machine, wanted, Path(folder), read)
+        if program is None:
+            _also(done, read, Path(folder))
+            return
+        target = _trace(program, NOTHING, machine, read, wanted.running, session)
+        _also(done, read, Path(folder))
+        comparison = compare(source, target, terms_of(done, program, session.machine, machine, wanted, decimals))
+    done.comparison = comparison
+    for found in comparison.differences:
+        done.findings.add(codes.TRANSLATION_DIFFERS.at(_span(found, wanted.job), what=_what(found)))
+    for found in comparison.unknown:
+        done.findings.add(codes.TRANSLATION_OPEN.at(_span(found, wanted.job), what=_what(found, is_open=True)))
+    done.assumed += [one for one in comparison.assumptions if one not in done.assumed]
+    if done.findings.has(Severity.ERROR):
+        done.verdict = Verdict.UNSAFE
+    elif done.findings.has(Severity.UNKNOWN):
+        done.verdict = Verdict.UNKNOWN
+    else:
+        done.verdict = comparison.verdict
+
+
+def _trace(
+    program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session
+) -> Trace:  # fmt: skip
+    """The trace for any work zero."""
+    return execute(
+        program, any_zero(setup), machine, findings, **session.options(running),
+        block_delete=bool(session.setup.block_delete),
+    )  # fmt: skip
+
+
+def _read_back(
+    done: Translation, machine: Machine, wanted: Wanted, folder: Path, findings: Findings
+) -> tuple[Program | None, Machine]:
+    """The program that was printed, as the target's front end reads it."""
+    from gproof.frontend.common.frontend import Reading
+
+    frontend = DIALECTS[wanted.to].frontend
+    job = folder / f"{wanted.job.stem}{done.target.style.extension}"
+    for name, text in done.files.items():
+        (folder / name if name else job).write_bytes(text)
+    files = [] if wanted.machine_to is None else [wanted.machine_to]
+    return frontend.load_program(
+        Reading(job=job, findings=findings, machine=machine, machine_file=wanted.machine_to, read=files)
+    )
+
+
+def _also(done: Translation, findings: Findings, folder: Path) -> None:
+    """Mistakes and unknowns of the printed program are those of the translation."""
+    for finding in findings.kept:
+        if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
+            span = replace(finding.span, file=finding.span.file.removeprefix(f"{folder}/"))
+            done.findings.add(_moved(finding, span))
+
+
+def _moved(finding: Finding, span: Span) -> Finding:
+    return replace(finding, span=span)
+
+
+def _span(found: Divergence, job: Path) -> Span:
+    place = found.source or found.target
+    return Span(str(job), 1) if place is None else Span(place[0], max(1, place[1]))
+
+
+def _what(found: Divergence, *, is_open: bool = False) -> str:
+    other = where(found.target)
+    return f"{sentence(found, is_open=is_open)} ({Path(other).name})" if other else sentence(found, is_open=is_open)
+
+
+def terms_of(
+    done: Translation, program: Program, source: Machine, target: Machine, wanted: Wanted, decimals: int
+) -> TranslationTerms:
+    """What both sides agree on."""
+    own = done.session.program
+    assert own is not None
+    half = 0.5 * 10.0**-decimals * ROUNDING
+    chords = any(one.pattern == "arc -> chords" for one in done.lowered)
+    left_out: frozenset[str] = frozenset() if done.target.path_modes else frozenset({"path_mode"})
+    same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
+    return TranslationTerms(
+        source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,
+        tolerance_deg=0.5 * 10.0**-done.target.style.decimals_deg * ROUNDING + 1e-9,
+        chord_mm=wanted.chord_tolerance if chords else 0.0, feed_relative=1e-4, seconds=1e-4,
+        source_outputs=own.spindle_outputs, target_outputs=program.spindle_outputs,
+        source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
+        rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
+    )  # fmt: skip
+
+
+def _limits(machine: Machine, name: str) -> tuple[float | None, float | None]:
+    axis = machine.axis(name)
+    return (None, None) if axis is None else (axis.lower, axis.upper)

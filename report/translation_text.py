@@ -1,0 +1,62 @@
+"""What a translation did, as text and as JSON."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gproof.ir.verdict import Verdict
+
+if TYPE_CHECKING:
+    from gproof.driver.translation import Translation
+
+
+def _patterns(done: Translation) -> list[tuple[str, int, int]]:
+    """(pattern, first line, times) in the order of their first lines."""
+    times = Counter(one.pattern for one in done.lowered)
+    first: dict[str, int] = {}
+    for one in done.lowered:
+        first.setdefault(one.pattern, one.span.line)
+    return [(name, first[name], count) for name, count in times.items()]
+
+
+def summary_lines(done: Translation, job: Path, output: Path, *, written: bool) -> list[str]:
+    """The result, what was rewritten, and what it rests on."""
+    title = done.target.title
+    if done.verdict is Verdict.SAFE:
+        head = f"{output}: proven: the same as {job} on {title}, wherever the work zero is"
+    elif written:
+        head = f"{output}: written, not proven"
+    elif done.verdict is Verdict.UNSAFE:
+        head = f"{job}: refuted: nothing was written"
+    else:
+        head = f"{job}: not translated to {title}: nothing was written"
+    lines = [head]
+    for name, line, count in _patterns(done):
+        lines.append(f"  rewritten: {name} ({count} time{'s' if count > 1 else ''}, first in line {line})")
+    lines += [f"  assumed: {text}" for text in done.assumed]
+    if done.comparison is not None and done.verdict is Verdict.SAFE:
+        mm, degrees = done.comparison.drift
+        rows = done.comparison.rows[0]
+        lines.append(f"  compared: {rows} moves; largest difference {mm:.2g} mm, {degrees:.2g} degrees")
+    return lines
+
+
+def translation_json(done: Translation, output: Path, *, written: bool) -> dict[str, Any]:
+    """The same for programs."""
+    found = done.comparison
+    return {
+        "format": "gproof-translation-report/1",
+        "verdict": done.verdict.value,
+        "target": done.target.name,
+        "written": [str(output.parent / name if name else output) for name in done.files] if written else [],
+        "rewritten": [{"pattern": name, "line": line, "times": count} for name, line, count in _patterns(done)],
+        "assumed": done.assumed,
+        "findings": [
+            {"code": one.code.label, "file": one.span.file, "line": one.span.line, "message": one.message}
+            for one in done.findings.kept
+        ],
+        "moves": None if found is None else found.rows[0],
+        "drift": None if found is None else {"mm": found.drift[0], "degrees": found.drift[1]},
+    }
