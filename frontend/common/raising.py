@@ -25,6 +25,7 @@ from gproof.ir.job import (
     LeaveRoutine,
     LoopWhile,
     Mark,
+    Moves,
     Node,
     Nodes,
     NotRaised,
@@ -158,6 +159,10 @@ class Raiser:
         """A row of ``Moves`` with this code (tenths) was the last one: what it leaves in force."""
         assert self.modes is not None
         self.modes = replace(self.modes, motion=motion)
+
+    def table_moves(self, moves: Moves) -> list[Node]:
+        """Rows of a table as this dialect means them; it may set ``self.modes``."""
+        return [moves]
 
     def own(self, node: Statement) -> list[Node]:
         """A statement that only this dialect has; Unraisable."""
@@ -299,8 +304,8 @@ class Raiser:
                 taken = moves_of(part, self.modes, self.letters, file, Span(name, line))
                 if taken is not None:
                     moves, motion, lines = taken
-                    found.append(moves)
                     self.moved(motion)
+                    found += self.table_moves(moves)
                     at += lines
                     continue
             last = int(firsts[at + 1]) if at + 1 < count else len(words)

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
+    from gproof.ir.job import Job
     from gproof.ir.machine import Machine
+    from gproof.ir.program import Program
     from gproof.ir.settings import Settings
 
 
@@ -67,6 +69,12 @@ def _machine_from(root: TomlTable, machine: Machine, unit: Fraction, foreign: tu
     return with_din(root, machine, unit, foreign)
 
 
+def _raise_program(program: Program, machine: Machine) -> Job:
+    from gproof.frontend.mcuwin.raising import raise_program
+
+    return raise_program(program, machine)
+
+
 FRONTEND = Frontend(
     name="mcuwin",
     title="McuWIN",
@@ -97,4 +105,5 @@ FRONTEND = Frontend(
     machine_files=("mcuwin.ini",),
     knows_machine=_knows_machine,
     completed=_completed,
+    raise_program=_raise_program,
 )
