@@ -21,6 +21,7 @@ from gproof.ir.job import Job
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import Program
 from gproof.ir.record import field, record
+from gproof.ir.rules import Function as F
 from gproof.ir.setup import NOTHING, Setup
 from gproof.ir.target import Target
 from gproof.ir.trace import Trace
@@ -156,7 +157,7 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, decimals: int) ->
     session = done.session
     assert session.program is not None
     own = Findings()
-    source = _trace(session.program, session.setup, session.machine, own, wanted.running, session)
+    source = _trace(_own_devices(session.program, done), session.setup, session.machine, own, wanted.running, session)
     for finding in own.kept:
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
@@ -166,7 +167,8 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, decimals: int) ->
         if program is None:
             _also(done, read, Path(folder))
             return
-        target = _trace(program, NOTHING, machine, read, wanted.running, session)
+        setup = session.setup if wanted.to == session.dialect else NOTHING
+        target = _trace(_own_devices(program, done), setup, machine, read, wanted.running, session)
         _also(done, read, Path(folder))
         comparison = compare(source, target, terms_of(done, program, session.machine, machine, wanted, decimals))
     done.comparison = comparison
@@ -183,10 +185,33 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, decimals: int) ->
         done.verdict = comparison.verdict
 
 
+DEVICES = frozenset((
+    F.TOOL_CHANGE, F.SPINDLE_CW, F.SPINDLE_CCW, F.SPINDLE_OFF, F.MIST_ON, F.FLOOD_ON, F.COOLANT_OFF,
+))  # fmt: skip
+"""Functions that each machine's own macros may do in their way."""
+
+
+def _own_devices(program: Program, done: Translation) -> Program:
+    """The program without its machine's macros for tool changes, spindle and coolant: each machine has its own."""
+    codes_of = program.rules.codes
+    kept = {
+        code: name for code, name in program.overrides.items()
+        if code not in codes_of or codes_of[code].function not in DEVICES
+    }  # fmt: skip
+    names = sorted(set(program.overrides.values()) - set(kept.values()))
+    if not names:
+        return program
+    text = f"what each machine's own macros do at a tool change, spindle or coolant code ({', '.join(names)}) is right"
+    if text not in done.assumed:
+        done.assumed.append(text)
+    return replace(program, overrides=kept)
+
+
 def _trace(
     program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session
 ) -> Trace:  # fmt: skip
     """The trace for any work zero."""
+    machine = replace(machine, controller=replace(machine.controller, auto_tool_change=False))
     return execute(
         program, any_zero(setup), machine, findings, **session.options(running),
         block_delete=bool(session.setup.block_delete),
@@ -239,7 +264,10 @@ def terms_of(
     assert own is not None
     half = 0.5 * 10.0**-decimals * ROUNDING
     chords = any(one.pattern == "arc -> chords" for one in done.lowered)
-    left_out: frozenset[str] = frozenset() if done.target.path_modes else frozenset({"path_mode"})
+    left_out = frozenset(
+        name for name, had in (("path_mode", done.target.path_modes), ("guards", "guard" in done.target.legal))
+        if not had
+    )  # fmt: skip
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
     return TranslationTerms(
         source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,

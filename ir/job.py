@@ -165,10 +165,10 @@ class DwellFor:
 
 @record(frozen=True, slots=True, kw_only=True)
 class WaitFor:
-    """Wait until an input has a state. kind: of inputs; timeout: None: for ever."""
+    """Wait until an input has a state (on: None: read it at once); timeout: None: for ever."""
 
     channel: Expr
-    on: bool
+    on: bool | None
     span: Span
     timeout: Quantity | None = None
 
@@ -253,11 +253,14 @@ FRAME_ACTIONS = (
 
 @record(frozen=True, slots=True, kw_only=True)
 class SetPathMode:
-    """mode: ``exact_path``, ``exact_stop``, ``continuous``; tolerance: of continuous."""
+    """mode: ``exact_path``, ``exact_stop``, ``continuous``; tolerance: of continuous; simplify: places that are no
+    farther from a straight line may be left out; angle: degrees up to which a corner is taken without slowing down."""
 
     mode: str
     span: Span
     tolerance: Quantity | None = None
+    simplify: Quantity | None = None
+    angle: Quantity | None = None
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -309,6 +312,15 @@ class ShowText:
 class AllowOverrides:
     """Whether the operator's overrides of feed and speed count."""
 
+    on: bool
+    span: Span
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class SwitchGuard:
+    """A guard of the controller. name: as of ``ir.program.Guard``."""
+
+    name: str
     on: bool
     span: Span
 
@@ -438,8 +450,8 @@ class NotRaised:
 Node = (
     Moves | MoveTo | ArcTo | DrillHole | SetFeed | DwellFor | WaitFor | PauseJob | TurnSpindle | SwitchCoolant
     | ChangeTool | SwitchOutput | SetFrame | SetPathMode | Compensate | UseLength | HomeAxes | ParkAt | ShowText
-    | AllowOverrides | EndJob | Remark | SetVariable | Choice | OptionalPart | LoopWhile | CountLoop | RunRoutine
-    | LeaveRoutine | Mark | GoTo | RepeatGrid | NotRaised
+    | AllowOverrides | SwitchGuard | EndJob | Remark | SetVariable | Choice | OptionalPart | LoopWhile | CountLoop
+    | RunRoutine | LeaveRoutine | Mark | GoTo | RepeatGrid | NotRaised
 )  # fmt: skip
 NODES = frozenset(get_args(Node))
 

@@ -42,6 +42,7 @@ from gproof.ir.job import (
     SetVariable,
     ShowText,
     SwitchCoolant,
+    SwitchGuard,
     SwitchOutput,
     TurnSpindle,
     UseLength,
@@ -186,6 +187,8 @@ def _own(node: Node) -> Iterator[str]:
         yield f"path_{node.mode}"
         if node.tolerance is not None:
             yield "path_tolerance"
+        if node.simplify is not None or node.angle is not None:
+            yield "path_filter"
     elif isinstance(node, Compensate):
         yield "compensation"
         if node.diameter is not None:
@@ -207,7 +210,7 @@ def _own(node: Node) -> Iterator[str]:
     elif isinstance(node, SwitchOutput):
         yield "output_moving" if node.moving else "output"
     elif isinstance(node, WaitFor):
-        yield "wait" if node.timeout is None else "wait_timeout"
+        yield "input_read" if node.on is None else "wait" if node.timeout is None else "wait_timeout"
     else:
         yield from _plain(node)
 
@@ -216,7 +219,8 @@ _PLAIN: dict[type, str] = {
     SetFeed: "feed_alone", DwellFor: "dwell", HomeAxes: "home", ParkAt: "park", ShowText: "message",
     AllowOverrides: "overrides", Remark: "comment", SetVariable: "variable", OptionalPart: "optional_part",
     CountLoop: "count_loop", LeaveRoutine: "routine", Mark: "jump", GoTo: "jump", RepeatGrid: "grid",
-    NotRaised: "not_raised", UseLength: "length",
+    NotRaised: "not_raised",
+    SwitchGuard: "guard", UseLength: "length",
 }  # fmt: skip
 
 

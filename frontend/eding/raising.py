@@ -31,13 +31,14 @@ from gproof.ir.job import (
     SetVariable,
     ShowText,
     SwitchCoolant,
+    SwitchGuard,
     SwitchOutput,
     TurnSpindle,
     UseLength,
     WaitFor,
 )
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import Call, Device, Expr, Message, Number, Program, Statement, Text, Variable
+from gproof.ir.program import Call, Device, Expr, Guard, Message, Number, Program, Statement, Text, Variable
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 
@@ -221,11 +222,12 @@ class EdingRaiser(Raiser):
             found.append(SwitchOutput(channel=channel, value=Number(on, span), span=span))
         if line.find(F.INPUT_READ) is not None:
             channel, wait, timeout = line.take("P"), line.take("L"), line.take("Q")
-            if channel is None or not isinstance(wait, Number) or wait.value not in (1.0, 2.0):
-                raise Unraisable("M56", "an input that is read into #5399")
+            if channel is None or not isinstance(wait, Number | None):
+                raise Unraisable("M56", "an analog input, or a way of waiting that is computed")
+            state = 0.0 if wait is None else wait.value
             found.append(
                 WaitFor(
-                    channel=channel, on=wait.value == 1.0, span=span,
+                    channel=channel, on={1.0: True, 2.0: False}.get(state), span=span,
                     timeout=None if timeout is None else Quantity(timeout, "s"),
                 )
             )  # fmt: skip
@@ -280,11 +282,15 @@ class EdingRaiser(Raiser):
         rule = line.group("G13")
         if rule is None:
             return []
-        if any(line.take(letter) is not None for letter in "QR"):
-            raise Unraisable(f"{rule.text} with Q or R", "a filter of this controller")
         value = line.take("P") if rule.function is F.CONTINUOUS else None
-        tolerance = None if value is None else self.length_of(value)
-        return [SetPathMode(mode=PATHS[rule.function], tolerance=tolerance, span=span)]
+        simplify, angle = line.take("Q"), line.take("R")
+        return [
+            SetPathMode(
+                mode=PATHS[rule.function], tolerance=None if value is None else self.length_of(value),
+                simplify=None if simplify is None else self.length_of(simplify),
+                angle=None if angle is None else Quantity(angle, "deg"), span=span,
+            )
+        ]  # fmt: skip
 
     def _distances(self, line: Words) -> None:
         """Steps 17 and 18."""
@@ -472,6 +478,8 @@ class EdingRaiser(Raiser):
             if node.kind in ("msg", "log", "write", "writeln"):
                 return [ShowText(kind="log" if node.kind == "log" else "msg", parts=node.parts, span=node.span)]
             raise Unraisable(f"{node.kind}msg" if node.kind != "dialog" else "dlgmsg", "it asks the operator")
+        if isinstance(node, Guard):
+            return [SwitchGuard(name=node.name, on=node.on, span=node.span)]
         if isinstance(node, Device) and node.name == "home":
             return [HomeAxes(axes=tuple(a.value for a in node.arguments if isinstance(a, Text)), span=node.span)]
         raise Unraisable(getattr(node, "name", type(node).__name__), "a command of this controller")

@@ -18,6 +18,7 @@ from gproof.ir.job import (
     SetFrame,
     SetVariable,
     ShowText,
+    SwitchGuard,
     SwitchOutput,
     WaitFor,
 )
@@ -33,7 +34,7 @@ class EdingWriter(Rs274Writer):
         super().__init__(*given)
         self.handlers |= {
             SetVariable: self.setting, RunRoutine: self.run, ShowText: self.message, SwitchOutput: self.output,
-            WaitFor: self.wait,
+            WaitFor: self.wait, SwitchGuard: self.guard,
         }  # fmt: skip
 
     def expression(self, value_: Expr) -> str:
@@ -84,6 +85,11 @@ class EdingWriter(Rs274Writer):
         """``msg`` (4.2)."""
         self.line(" ".join(["logmsg" if node.kind == "log" else "msg", *(part(one) for one in node.parts)]))
 
+    def guard(self, node: SwitchGuard) -> None:
+        """``tcaguard``, ``mcaguard`` (4.2)."""
+        name = {"tool_change_area": "tcaguard", "machine_area": "mcaguard"}[node.name]
+        self.line(f"{name} {'on' if node.on else 'off'}")
+
     def output(self, node: SwitchOutput) -> None:
         """M54, M55 P (3.5.9)."""
         if not isinstance(node.value, Number):
@@ -95,7 +101,8 @@ class EdingWriter(Rs274Writer):
     def wait(self, node: WaitFor) -> None:
         """M56 P L Q (3.5.9)."""
         limit = [] if node.timeout is None else [f"Q{self.expression(node.timeout.value)}"]
-        words = ["M56", f"P{self.expression(node.channel)}", "L1" if node.on else "L2", *limit]
+        state = {None: [], True: ["L1"], False: ["L2"]}[node.on]
+        words = ["M56", f"P{self.expression(node.channel)}", *state, *limit]
         self.put(OUTPUT, words, node.span)
         self.flush()
 

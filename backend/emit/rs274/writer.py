@@ -152,10 +152,13 @@ class Rs274Writer(JobWriter):
         self.mode("per", feed.per, FEED_MODE, f"G{PER[feed.per]}", span)
         return [f"F{self.amount(feed.amount)}"]
 
-    def motion(self, code: float, span: Span, words: list[str], feed: list[str]) -> None:
-        """A line of motion."""
+    def motion(self, code: float, span: Span, words: list[str], feed: list[str], *, machine: bool = False) -> None:
+        """A line of motion; machine: in machine coordinates."""
         if feed:
             self.put(FEED, feed, span)
+        if machine:
+            self.put(ONCE, ["G53"], span)
+            self.state.pop("motion", None)
         found = [] if self.state.get("motion") == code else [f"G{code:g}"]
         self.put(MOTION, [*found, *words], span)
         self.state["motion"] = code
@@ -164,17 +167,13 @@ class Rs274Writer(JobWriter):
 
     def move(self, node: MoveTo) -> None:
         """G0, G1, G38.2; G53."""
-        machine = node.frame == "machine"
         feed = self.feed(node.feed, node.span)
         if node.kind == "rapid" and feed:
             raise Unprintable("a feed of a rapid")
         self.distances(node.to, node.span)
         code = {"rapid": 0.0, "feed": 1.0, "probe": 38.2}[node.kind]
         words = self.words(node.to)
-        if machine:
-            self.put(ONCE, ["G53"], node.span)
-            self.state.pop("motion", None)
-        self.motion(code, node.span, words, feed)
+        self.motion(code, node.span, words, feed, machine=node.frame == "machine")
 
     def arc(self, node: ArcTo) -> None:
         """G2, G3 with I, J, K or R."""
@@ -303,6 +302,8 @@ class Rs274Writer(JobWriter):
         """G61, G61.1, G64."""
         code = {"exact_path": "G61", "exact_stop": "G61.1", "continuous": "G64"}[node.mode]
         tolerance = [] if node.tolerance is None else [f"P{self.amount(node.tolerance)}"]
+        tolerance += [] if node.simplify is None else [f"Q{self.amount(node.simplify)}"]
+        tolerance += [] if node.angle is None else [f"R{self.amount(node.angle)}"]
         if tolerance:
             self.flush()
         self.put(PATH, [code, *tolerance], node.span)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gproof.ir.job import AllowOverrides, Node, SetPathMode
+from gproof.ir.job import AllowOverrides, Node, SetPathMode, SwitchGuard
 from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
 
@@ -25,6 +25,21 @@ def without_tolerance(node: Node, feature: str, context: Context) -> list[Node] 
     return [replace(node, mode="exact_path", tolerance=None)]
 
 
+def without_filter(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A path mode without leave to drop places: all of them are kept."""
+    if not isinstance(node, SetPathMode) or f"path_{node.mode}" not in context.target.legal:
+        return None
+    return [replace(node, simplify=None, angle=None)]
+
+
+def no_guard(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A guard that the target does not have."""
+    if not isinstance(node, SwitchGuard):
+        return None
+    context.assume(f"{context.target.title} has no guard that the program switches: {node.name.replace('_', ' ')}")
+    return []
+
+
 def usual_overrides(node: Node, feature: str, context: Context) -> list[Node] | None:
     """Overrides allowed: what every controller does."""
     return [] if isinstance(node, AllowOverrides) and node.on else None
@@ -33,8 +48,10 @@ def usual_overrides(node: Node, feature: str, context: Context) -> list[Node] | 
 PATTERNS = (
     Pattern(
         name="path mode -> a setting of the controller", apply=left_to_the_controller,
-        removes=("path_continuous", "path_tolerance", "path_exact_path"),
+        removes=("path_filter", "path_continuous", "path_tolerance", "path_exact_path"),
     ),
+    Pattern(name="filter of a path mode -> every place", removes=("path_filter",), apply=without_filter),
+    Pattern(name="guard -> none", removes=("guard",), apply=no_guard),
     Pattern(
         name="continuous path -> exact path", removes=("path_continuous", "path_tolerance"), apply=without_tolerance
     ),
