@@ -25,6 +25,8 @@ from gproof.ir.setup import ZERO, Interval, Setup
 CASES = cases()
 LISTED = {"traverse", "feed", "arc", "dwell", "spindle", "setpoint", "coolant", "output", "input_wait", "stop", "home"}
 LISTED |= {"tool_change", "error"}
+SPEED = "spindle_speed", "wincnc"
+"""The setpoint that is listed: of the controller that has no row for the spindle itself."""
 TOLERANCE = 2e-4
 """mm, mm/min: programs print four decimals."""
 CHANNELS_OF_AN_AXIS = 100
@@ -89,8 +91,10 @@ def _worded(rows: list[dict[str, Any]], start: dict[str, float], dialect: str) -
     before = list(start.values())
     for found in rows:
         row = dict(found)
-        if row["op"] not in LISTED or (row["op"] == "setpoint" and row["name"] != "spindle_speed"):
+        if row["op"] not in LISTED or (row["op"] == "setpoint" and (row["name"], dialect) != SPEED):
             continue
+        if row["op"] == "input_wait" and row.get("value") is None:
+            continue  # read, not waited for
         if row["op"] == "dwell" and row.get("seconds") == 0.0:
             continue
         if row["op"] == "setpoint":
