@@ -7,29 +7,29 @@ from gproof.ir.record import record
 Form = tuple[tuple[str, int], ...]
 """A sum of unknowns, as in a frame of the Trace."""
 
+Left = tuple[tuple[str, float, Form], ...]
+"""Places by name: mm or degrees and unknowns."""
+
 
 @record(frozen=True, slots=True, kw_only=True)
 class EndState:
     """Facts in force where a program ends that outlive it on its controller; None: they do not, or it has no such fact.
 
-    offsets: (name, mm or degrees, form) of zero offsets that the program has changed: name is ``work.1.x`` or
-    ``g92.x``; those that it left alone are not listed. tool: the tool in the spindle, -1: the one of the start;
-    tool_offset: by
-    axis, as ``offsets``, the tool length in force; work: the coordinate system in force, 0: that of the start.
-    spindle: direction and speed, NaN unknown; coolant: mist and flood. modes: (name, text) of modes that the next job
-    meets. guards_off: as of ``State``. line, file: of the end.
+    What is switched on is not here: the Trace has it as events.
+
+    zero: by axis the program's zero that the next job starts with, tools apart; table: entries of the table of zero
+    offsets that the program has changed, ``work.1.x``; length: by axis the tool length in force, where it is not that
+    of the start; guards_off: as of ``State``; modes: (name, text) of modes that the next job meets, the names start
+    with that of the language: other languages do not have them.
+    assumed: sentences that these facts rest on.
     """
 
-    offsets: tuple[tuple[str, float, Form], ...] | None = None
-    work: int | None = None
-    tool: int | None = None
-    tool_offset: tuple[tuple[str, float, Form], ...] | None = None
-    spindle: tuple[int, float] | None = None
-    coolant: tuple[bool, bool] | None = None
+    zero: Left | None = None
+    table: Left | None = None
+    length: Left | None = None
     guards_off: tuple[str, ...] | None = None
-    modes: tuple[tuple[str, str], ...] | None = None
-    line: int = 0
-    file: int = 0
+    modes: tuple[tuple[str, str], ...] = ()
+    assumed: tuple[str, ...] = ()
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -22,6 +22,7 @@ from gproof.passes.interpret.core.dead_variables import Idle
 from gproof.passes.interpret.core.flow_part import FlowPart
 from gproof.passes.interpret.core.modal_state import Modal
 from gproof.passes.interpret.core.narrowing import Narrowing
+from gproof.passes.interpret.core.notes_of_sections import question_of
 from gproof.passes.interpret.core.outcomes import Asked, of_condition
 from gproof.passes.interpret.core.run import ProgramEnd
 from gproof.passes.interpret.core.state_key import NO_NUMBERS
@@ -156,6 +157,9 @@ class PathExploration(FlowPart):
             names = (("false", yes), ("true", no))
         edges = tuple(self.run.edge(Wait.BRANCH, outcome, target, node.span) for outcome, target in names)
         if isinstance(node, If | While | Repeat):
+            question = question_of(self.run, node.condition)
+            if question is not None:
+                self.run.trace.questions[self.run.rows.section] = question
             answers = [of_condition(node.condition, node.span, truth=outcome == "true") for outcome, _ in names]
         else:
             what = "the for loop" if isinstance(node, For) else f"subprogram {node.name}"

@@ -66,6 +66,7 @@ class Run:
     how far it is, (blocks executed, place).
     blocks: executed so far; charged: of these, what calls within calls count as, which nobody executed; branches:
     outcomes that were followed; moves: rows that move.
+    inputs_read: values that are the state of an input, by identity: value, channel, rows that moved before it was read.
     assumed: what the run took for granted; asked: what led into a section that is one outcome of several; failed: the
     first finding that stops a controller; refused: the trace lacks what a line of the job would do.
     file, call: of the line that runs, as indices of the trace; moved: something has moved; ended_by: code and line of
@@ -115,6 +116,7 @@ class Run:
         self.risen: dict[tuple[Position, Position], Position] = {}
         self._start_system(setup)
         self.asked: dict[int, Asked] = {}
+        self.inputs_read: dict[int, tuple[Unknown, int, int]] = {}
         self.ahead = Ahead(program)
         self.rows = RowBuffer(
             self.trace, [p.value for p in self.modal.position], self.frame_number(), program.line_count
@@ -252,6 +254,8 @@ class Run:
     def close_section(self, edges: tuple[Edge, ...]) -> None:
         """Hand out the rest of the section with its edges."""
         self.is_section_over = True
+        if any(edge.wait is Wait.END for edge in edges):
+            self.trace.ends[self.rows.section] = self.dialect.end_state(self)
         self.rows.flush(last=True, edges=edges)
 
     def begin_section(self, section: int) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from gproof.ir import codes
+from gproof.ir.end_state import EndState
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.kernel import Kernel
 from gproof.ir.machine import AXIS_NAMES, Machine
@@ -26,6 +27,7 @@ from gproof.passes.interpret.core.dead_variables import Idle, idle_variables
 from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, WordColumns
 from gproof.passes.interpret.core.line_filter_kernels import cold_lines
 from gproof.passes.interpret.core.modal_state import Modal
+from gproof.passes.interpret.core.notes_of_sections import common_modes, end_state
 from gproof.passes.interpret.core.parsed_line import gather
 from gproof.passes.interpret.core.run import Run
 
@@ -235,6 +237,10 @@ class Dialect(Generic[R_contra]):
     def looks_at_jumps(self, run: R_contra) -> bool:
         """Whether ``at_jump`` may have something to say in this run."""
         return False
+
+    def end_state(self, run: R_contra) -> EndState:
+        """What the program leaves for the job after it, where it ends now."""
+        return end_state(run, common_modes(run.modal, self.program.rules.name))
 
     def is_unended(self, run: R_contra, frame: Frame) -> bool:
         """Whether statements are over without the code that has to end them (GP515)."""

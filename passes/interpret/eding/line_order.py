@@ -336,6 +336,8 @@ def _input(run: Run, line: Line) -> None:
     read = Unknown(f"input {channel:g}", 0.0, 1.0) if digital is not None else Unknown(f"analog input {channel:g}")
     # Without Q a wait may be endless or not: both answers are possible, as with it.
     run.modal.parameters[5399] = run.modal.stated_range(5399, read)
+    if digital is not None and not wait:
+        run.inputs_read[id(read)] = read, digital, run.moves
     stays = run.setup.inputs.get(digital) if digital is not None else None
     if stays is not None and wait != _FOR_HIGH:
         # After L2 the input's state and "timed out" are one number, after L1 they are not.

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from gproof.ir.end_state import EndState
 from gproof.ir.finding import Span
 from gproof.ir.program import Block, Device, Message
 from gproof.passes.interpret.core.call_stack import Frame
 from gproof.passes.interpret.core.line_decoder_kernels import WordColumns, letter_slots
+from gproof.passes.interpret.core.notes_of_sections import common_modes, end_state
 from gproof.passes.interpret.core.run import Run
 from gproof.passes.interpret.core.semantics import Dialect, Word, cold_words, settings_of
 from gproof.passes.interpret.eding.commands import run_command
@@ -21,6 +23,18 @@ _HOT = letter_slots({letter: axis for axis, letter in enumerate("XYZABC")}, "IJK
 
 class EdingDialect(Dialect[Run]):
     """Lines of many commands, in the order of table 3-7."""
+
+    def end_state(self, run: Run) -> EndState:
+        """M30 selects G17, G90, G94, M48, ends compensation and leaves coordinate systems; M2 ends nothing (3.5.1)."""
+        modes = dict(common_modes(run.modal, "eding"))
+        modes["eding: retract"] = "G98" if run.modal.retract_initial else "G99"
+        modes["eding: compensation"] = "off" if run.modal.compensation is None else "on"
+        if run.ended_by is not None and run.ended_by[0] == "M30":
+            modes |= {
+                "eding: plane": "XY", "eding: distances": "absolute", "eding: feed mode": "94",
+                "eding: overrides": "on", "eding: compensation": "off",
+            }  # fmt: skip
+        return end_state(run, tuple(modes.items()))
 
     def block(self, run: Run, node: Block, words: list[Word]) -> None:
         """Execute a line."""

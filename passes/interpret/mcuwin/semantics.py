@@ -11,6 +11,7 @@ from typing import Any
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin.rules import COMMON, OFFSETS_AT
 from gproof.ir.dialects.mcuwin.settings import VERSIONS
+from gproof.ir.end_state import EndState
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.modal_groups import OF_FEEDS
@@ -24,6 +25,7 @@ from gproof.passes.interpret.core.call_stack import Frame
 from gproof.passes.interpret.core.expressions import MOST_WHOLE
 from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 from gproof.passes.interpret.core.line_runs import packed, run_kernel, unpack
+from gproof.passes.interpret.core.notes_of_sections import common_modes, end_state
 from gproof.passes.interpret.core.semantics import Dialect, Word, cold_words, settings_of
 from gproof.passes.interpret.mcuwin import fast_path as din_plain
 from gproof.passes.interpret.mcuwin import line as din
@@ -59,6 +61,15 @@ class McuWinDialect(Dialect[McuWinRun]):
         for what, key in foreign(run.setup, run.machine):
             file = run.machine.name if key.startswith("machine.") else run.setup.name
             run.fail(codes.FOREIGN_FACT.at(run.findings.where(key, Span(file, 1)), what=what))
+
+    def end_state(self, run: McuWinRun) -> EndState:
+        """The zero offset, which the next program may meet or not (14 (2.5.3.88)), and the reflection of axes."""
+        own = run.modal.own
+        reflected = ("mcuwin: reflected", repr(sorted(own.reflected)))
+        found = end_state(run, (*common_modes(run.modal, "mcuwin"), reflected))
+        # The tables of zero offsets and tools are written by no program (2.7, 3.19).
+        assumed = ("McuWIN keeps the zero offset for the next program",)
+        return replace(found, table=None, length=None, assumed=assumed)
 
     def letters(self, machine: Machine) -> dict[str, int]:
         """Column of each letter that moves an axis."""

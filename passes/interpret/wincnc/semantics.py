@@ -8,8 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
+from gproof.ir.end_state import EndState
 from gproof.ir.finding import Span
-from gproof.ir.machine import Machine
+from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Array, Block, Call, Input, Named, Program, Unsupported
 from gproof.ir.setup import Setup
 from gproof.ir.symbolic import Position, Value
@@ -18,6 +19,7 @@ from gproof.passes.interpret.core.axis_words import letters_of
 from gproof.passes.interpret.core.call_stack import Frame, Kept, PlainCell
 from gproof.passes.interpret.core.dead_variables import Idle
 from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
+from gproof.passes.interpret.core.notes_of_sections import common_modes, end_state, left
 from gproof.passes.interpret.core.semantics import Dialect, Word
 from gproof.passes.interpret.wincnc import line as single
 from gproof.passes.interpret.wincnc import part_arrays
@@ -137,6 +139,23 @@ class WinCncDialect(Dialect[WinCncRun]):
     def back_from_file(self, run: WinCncRun, kept: Kept | None) -> None:
         """Local coordinates are the caller's again, unless L92 keeps them."""
         part_arrays.back_from_file(run, kept)
+
+    def end_state(self, run: WinCncRun) -> EndState:
+        """Local coordinates are those of the start again, unless L92 keeps them (L92); all else stays."""
+        modal = run.modal
+        found = end_state(run, common_modes(modal, "wincnc"))
+        if not modal.own.keep_local:
+            first = self.first_state(run.program, run.setup, run.machine)
+            kept = {
+                AXIS_NAMES[axis]: modal.work_offsets[modal.work, axis].plus(first.g92[axis])
+                for axis in range(AXES)
+                if modal.has_axis(axis)
+            }
+            found = replace(found, zero=left(kept))
+        scales = (("wincnc: scaling", repr(modal.own.scales)), ("wincnc: knife", repr(modal.own.knife)))
+        zeros = (("wincnc: machine zero", repr(modal.own.zeros)), ("wincnc: axes", repr(modal.own.sources)))
+        coupled = (("wincnc: coupling", repr(modal.own.slaves)), ("wincnc: locked", repr(sorted(modal.own.locked))))
+        return replace(found, modes=(*found.modes, *scales, *zeros, *coupled))
 
     def idle_variables(self) -> Idle:
         """None: commands take variables by name."""
