@@ -122,6 +122,7 @@ class McuWinRaiser(McuWinState):
             raise Unraisable(f"axis words with {others[0].text}", _UNLIKE)
         rule = self.program.rules.codes.get(("G", cast("int", self.now.motion)))
         if rule is None:
+            self.set_modes(motion=UNKNOWN_MODE)
             raise Unraisable("axis words alone", "no motion is in force (3.5)")
         return rule
 

@@ -108,21 +108,22 @@ def effective(state: McuWinState, construct: str) -> dict[str, float]:
 
 def _reframed(state: McuWinState, before: dict[str, float], now: dict[str, float], span: Span) -> list[Node]:
     """From one set of factors to another: -1 is a mirror, another number a scale."""
-    found: list[Node] = []
+    ended: list[Node] = []
+    started: list[Node] = []
     for action, is_mirror in (("mirror", True), ("scale", False)):
         old = {axis: by for axis, by in before.items() if (by == -1.0) is is_mirror}
         new = {axis: by for axis, by in now.items() if (by == -1.0) is is_mirror}
         if old == new:
             continue
         if old:
-            found.append(SetFrame(action=f"{action}_off", span=span))
+            ended.append(SetFrame(action=f"{action}_off", span=span))
         if new and is_mirror:
             zeros = tuple(AxisPlace(axis, Quantity(Number(0.0, span), "mm")) for axis in sorted(new))
-            found.append(SetFrame(action="mirror", places=zeros, span=span))
+            started.append(SetFrame(action="mirror", places=zeros, span=span))
         elif new:
             by = tuple(AxisPlace(axis, Quantity(Number(value, span), "1")) for axis, value in sorted(new.items()))
-            found.append(SetFrame(action="scale", factors=by, span=span))
-    return found
+            started.append(SetFrame(action="scale", factors=by, span=span))
+    return [*ended, *started]
 
 
 def reflect(state: McuWinState, part: Part, span: Span) -> list[Node]:

@@ -117,7 +117,7 @@ def _arc(
         word = words.get(letter)
         if word is None:
             if not (relative and zero_before[n]):
-                raise Unraisable(f"{rule.text} without {letter}", "whether it is 0 or that of the arc before is open")
+                raise Unraisable(f"an arc without {letter}", "whether it is 0 or that of the arc before is open")
             word = LineWord(letter, Number(0.0, span), span)
         else:
             zero_now[n] = word.number == 0.0
@@ -158,7 +158,7 @@ USED = ("feed", "axes", "reflected", "factors", "zero", "center", "centers")
 def is_plain(state: McuWinState, motion: object) -> bool:
     """Whether plain lines of a table are rows: no mode makes them mean something else, or nothing certain."""
     modes = state.now
-    if not isinstance(motion, int) or motion not in (0, 10, 20, 30):
+    if not isinstance(motion, int) or motion not in (-1, 0, 10, 20, 30):
         return False
     if UNKNOWN_MODE in (modes.unit, modes.relative, modes.plane):
         return False
