@@ -1,7 +1,7 @@
 """Operations of a neutral job as short texts, for tests that write by hand what a program must say.
 
-A place is ``x5``, a distance ``x+5``; lengths without a unit are millimetres, ``F`` counts a minute. Rows of a table are
-what they would be as operations of their own. A centre that is a place is ``x=5``.
+A place is ``x5``, a distance ``x+5``; lengths without a unit are millimetres, ``F`` counts a minute. Rows of a table
+are what they would be as operations of their own. A centre that is a place is ``x=5``.
 """
 
 from __future__ import annotations
