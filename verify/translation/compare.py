@@ -14,16 +14,16 @@ import numpy as np
 
 from gproof.ir.end_state import EndState
 from gproof.ir.record import record
-from gproof.ir.trace import Op, Trace, Wait
+from gproof.ir.trace import Affine, Op, Trace, Wait
 from gproof.ir.translation_terms import TranslationTerms
 from gproof.verify.translation import align_kernels as k
 from gproof.verify.translation import outcomes
-from gproof.verify.translation.comparison import Comparison, Divergence, divergence
+from gproof.verify.translation.comparison import Comparison, Places, divergence
 from gproof.verify.translation.ends import compare_ends
 from gproof.verify.translation.events import Devices, Event, same
 from gproof.verify.translation.paths import Alignment, aligned, bounds_of
-from gproof.verify.translation.sides import Shared, Side, is_own
-from gproof.verify.translation.stretches import Stretch, stretch_from
+from gproof.verify.translation.sides import BLURRED, Shared, Side, is_own
+from gproof.verify.translation.stretches import Stretch, is_joint, stretch_from
 
 KINDS = {
     k.KIND: "kind", k.PLACE: "place", k.FORM: "place", k.CENTER: "center", k.SENSE: "sense", k.PLANE: "plane",
@@ -79,7 +79,7 @@ class _Walk:
         """Walk until nothing is left, or both part."""
         traces = [side.trace for side in self.sides]
         if not all(trace.sections for trace in traces):
-            self.result.open(Divergence(kind="nothing there"))
+            self.result.open(divergence("nothing there", (None, None)))
             return self.result.concluded()
         todo = deque([Pair(0, 0)])
         while todo and not self.result.differences:
@@ -101,7 +101,7 @@ class _Walk:
         key = pair.source, pair.target
         self.visits[key] = self.visits.get(key, 0) + 1
         if self.visits[key] > MOST_VISITS:
-            self.result.open(Divergence(kind="too many states"))
+            self.result.open(divergence("too many states", (None, None)))
             return False
         return True
 
@@ -155,7 +155,7 @@ class _Walk:
             return True
         places = one.place(0) or one.last_place, other.place(0) or other.last_place
         found = divergence("start", places)
-        if self._is_open(*(self._start_forms(stretch) for stretch in (one, other))):
+        if _rests_on_one_side(self._start_forms(one), self._start_forms(other)):
             self.result.open(divergence("place", places))
         else:
             self.result.differs(found)
@@ -163,10 +163,6 @@ class _Walk:
 
     def _start_forms(self, stretch: Stretch) -> tuple[tuple[tuple[str, int], ...], ...]:
         return stretch.side.forms(stretch.side.trace.sections[stretch.sections[0]].start_frame)
-
-    def _is_open(self, *forms: tuple[tuple[tuple[str, int], ...], ...]) -> bool:
-        """Whether some place rests on an unknown that arose in one run alone, or is nowhere."""
-        return any(is_own(name) or name == "?" for six in forms for form in six for name, _ in form)
 
     def _moves_agree(self, one: Stretch, other: Stretch) -> bool:
         """Whether events and moves of two stretches are the same; what is open is kept, and then they may be."""
@@ -208,8 +204,25 @@ class _Walk:
         b = other.events[n] if n < len(other.events) else None
         kind, names, numbers = event_difference(one.events, other.events, n, self.terms)
         places = a.place if a else one.last_place, b.place if b else other.last_place
+        ended = [stretch for stretch, event in ((one, a), (other, b)) if event is None]
+        if ended and self._is_open_end(ended[0], places):
+            return
         found = divergence(kind, places, names=names, numbers=numbers)
         (self.result.open if kind.startswith("device") else self.result.differs)(found)
+
+    def _is_open_end(self, stretch: Stretch, places: Places) -> bool:
+        """Whether a side stops where nobody can say how it goes on; that is kept."""
+        wait = stretch.edges[0].wait if stretch.edges else Wait.UNKNOWN
+        if wait is Wait.UNKNOWN or (wait is Wait.BRANCH and not is_joint(stretch.edges)):
+            self.result.open(divergence("not followed" if wait is Wait.UNKNOWN else "one question", places))
+            return True
+        return False
+
+    def _cut_short(self, one: Stretch, i: int, other: Stretch, j: int, found: int, places: Places) -> bool:
+        """Whether a move is missing only because its side stops before it, and nobody can say how that goes on."""
+        if found == k.MORE_IN_TARGET:
+            return i >= len(one.places) and self._is_open_end(one, places)
+        return found == k.MORE_IN_SOURCE and j >= len(other.places) and self._is_open_end(other, places)
 
     def _keep_difference(
         self, one: Stretch, other: Stretch, found: Alignment, barriers: np.ndarray[tuple[int, int], np.dtype[np.int64]],
@@ -241,7 +254,9 @@ class _Walk:
         difference = divergence(kind, places, names=names, numbers=numbers)
         rows = [(one, i), (other, j)]
         forms = [s.side.forms(self._raw_frame(s, n)) for s, n in rows if n < len(s.places)]
-        if kind == "place" and self._is_open(*forms):
+        if self._cut_short(one, i, other, j, found.found, places):
+            return
+        if kind == "place" and len(forms) == 2 and _rests_on_one_side(*forms):
             self.result.open(divergence("place", places))
         else:
             self.result.differs(difference)
@@ -293,6 +308,12 @@ class _Walk:
             is_fresh = is_own(a) and is_own(b) and a not in self.sides[1].bound.values()
             if is_fresh and times == count and kinds[0][0] == kinds[1][0] and kinds[0][-1] == kinds[1][-1]:
                 self.sides[1].bind(b.split(":", 1)[1], a)
+
+
+def _rests_on_one_side(one: tuple[Affine, ...], other: tuple[Affine, ...]) -> bool:
+    """Whether places differ by an unknown that arose in one run alone, or are nowhere."""
+    apart = [name for a, b in zip(one, other, strict=True) for name, _ in {*a} ^ {*b}]
+    return any(is_own(name) for name in apart) or any(n.split(".")[0] in BLURRED for f in (*one, *other) for n, _ in f)
 
 
 def event_difference(

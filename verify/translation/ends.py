@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from gproof.ir.end_state import EndState, Left
 from gproof.ir.trace import UNMEASURED, Affine
 from gproof.verify.translation.comparison import Comparison, Places, divergence
-from gproof.verify.translation.sides import Side, is_own
+from gproof.verify.translation.sides import BLURRED, Side, is_own
 from gproof.verify.translation.stretches import Stretch
 
 
@@ -48,7 +48,7 @@ def _places(fact: str, sides: tuple[Side, Side], pair: tuple[Left, Left], places
     for name in sorted(names):
         a, b = mine.get(name), theirs.get(name)
         tolerance = terms.tolerance_mm if name[-1] in "xyz" else terms.tolerance_deg
-        alike = a is not None and b is not None and a[1] == b[1] and not _is_open(a[1])
+        alike = a is not None and b is not None and a[1] == b[1] and not _is_blurred(a[1])
         if alike and a is not None and b is not None and abs(a[0] - b[0]) <= tolerance:
             continue
         said = tuple("left alone" if v is None else _said(v) for v in (a, b))
@@ -58,7 +58,12 @@ def _places(fact: str, sides: tuple[Side, Side], pair: tuple[Left, Left], places
 
 
 def _is_open(form: Affine) -> bool:
-    return any(is_own(name) or name.split(".")[0] in ("?", "beside") for name, _ in form)
+    """Whether a place rests on what only one side knows, or is nowhere."""
+    return any(is_own(name) or name.split(".")[0] in BLURRED for name, _ in form)
+
+
+def _is_blurred(form: Affine) -> bool:
+    return any(name.split(".")[0] in BLURRED for name, _ in form)
 
 
 def _said(value: tuple[float, Affine]) -> str:

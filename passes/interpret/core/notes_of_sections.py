@@ -84,8 +84,8 @@ def question_of(run: Run, condition: Expr) -> Question | None:
         if isinstance(wanted, Unknown) or wanted not in (0.0, 1.0) or not isinstance(value, Unknown):
             return None
         read = run.inputs_read.get(id(value))
-        # What was read before the last move was the input then, and not now.
-        if read is not None and read[2] == run.moves:
+        # What was read before the last row was the input then, and not now.
+        if read is not None and read[2] == run.rows.section and not run.rows.begin and not run.rows.count:
             return Question(kind="input", channel=read[1], on=on == ((inner.operator == "==") == (wanted == 1.0)))
         if isinstance(inner.left, Input) and inner.left.kind in _ASKED:
             number = run.evaluator.value(inner.left.number)

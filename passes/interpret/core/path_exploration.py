@@ -67,6 +67,9 @@ class PathExploration(FlowPart):
             return value != 0
         if value.low > 0 or value.high < 0:
             return True
+        question = question_of(self.run, condition)
+        if question is not None:
+            self.run.trace.questions[self.run.rows.section] = question
         self.undecided(place, condition.span, value.cause)
         return None
 
@@ -157,9 +160,6 @@ class PathExploration(FlowPart):
             names = (("false", yes), ("true", no))
         edges = tuple(self.run.edge(Wait.BRANCH, outcome, target, node.span) for outcome, target in names)
         if isinstance(node, If | While | Repeat):
-            question = question_of(self.run, node.condition)
-            if question is not None:
-                self.run.trace.questions[self.run.rows.section] = question
             answers = [of_condition(node.condition, node.span, truth=outcome == "true") for outcome, _ in names]
         else:
             what = "the for loop" if isinstance(node, For) else f"subprogram {node.name}"

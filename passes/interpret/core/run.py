@@ -66,7 +66,7 @@ class Run:
     how far it is, (blocks executed, place).
     blocks: executed so far; charged: of these, what calls within calls count as, which nobody executed; branches:
     outcomes that were followed; moves: rows that move.
-    inputs_read: values that are the state of an input, by identity: value, channel, rows that moved before it was read.
+    inputs_read: values that are the state of an input, by identity: value, channel, section that starts then.
     assumed: what the run took for granted; asked: what led into a section that is one outcome of several; failed: the
     first finding that stops a controller; refused: the trace lacks what a line of the job would do.
     file, call: of the line that runs, as indices of the trace; moved: something has moved; ended_by: code and line of

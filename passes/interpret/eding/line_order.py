@@ -337,7 +337,7 @@ def _input(run: Run, line: Line) -> None:
     # Without Q a wait may be endless or not: both answers are possible, as with it.
     run.modal.parameters[5399] = run.modal.stated_range(5399, read)
     if digital is not None and not wait:
-        run.inputs_read[id(read)] = read, digital, run.moves
+        run.inputs_read[id(read)] = read, digital, run.rows.sections + 1
     stays = run.setup.inputs.get(digital) if digital is not None else None
     if stays is not None and wait != _FOR_HIGH:
         # After L2 the input's state and "timed out" are one number, after L1 they are not.
