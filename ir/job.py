@@ -227,10 +227,10 @@ class SetFrame:
     action: ``select`` (work offset ``number``; axes: of these alone, () of all); ``store`` (offset ``number`` :=
     places, from machine zero); ``store_here`` (offset ``number``: the present place is called places);
     ``zero_at`` (of the axes of places the work zero is there, from machine zero, in place of a work offset, which
-    stays as stored, until the next ``select``); ``zero_shift`` (as ``zero_at``, from the work zero in force);
-    ``zero_keep``, ``zero_recall`` (the work zero in force is kept apart; it is in force again);
-    ``local_here`` (the local offset: the
-    present place is called places); ``local_at`` (the local offset := places, from the work offset); ``local_add``;
+    stays as stored, until the next ``select``, and their local offset is 0); ``zero_shift`` (as ``zero_at``, from the
+    work zero in force); ``zero_keep``, ``zero_recall`` (the work zero in force is kept apart, with the local offset,
+    under ``number``, None: in the only place; it is in force again); ``local_here`` (the local offset: the present
+    place is called places); ``local_at`` (the local offset := places, from the work offset); ``local_add``;
     ``local_off``, ``local_suspend``, ``local_restore``; ``rotate``
     (``angle`` about places), ``scale`` (``factors``), ``mirror`` (axes of places, about these), ``transform_off``.
     """
@@ -427,7 +427,8 @@ class GoTo:
 
 @record(frozen=True, slots=True, kw_only=True)
 class RepeatGrid:
-    """The body again at each place of a grid of rows and columns, dx and dy apart. back: to the first place at last."""
+    """The body again at each place of a grid, whose first is where the axes are: columns dx apart along x, rows dy
+    apart along y; rapid to each but the first. by_rows: row by row. back: rapid to the first place at last."""
 
     rows: int
     columns: int
@@ -436,6 +437,7 @@ class RepeatGrid:
     body: tuple[Node, ...]
     span: Span
     back: bool = True
+    by_rows: bool = True
 
 
 @record(frozen=True, slots=True, kw_only=True)

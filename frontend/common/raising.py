@@ -15,7 +15,7 @@ import numpy as np
 
 from gproof.frontend.common.move_tables import MoveLetters, first_words, moves_of, simple_lines
 from gproof.frontend.common.raising_modes import UNKNOWN_MODE, LineWord, Modes
-from gproof.ir.columns import Columns
+from gproof.ir.columns import Array, Columns
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     Choice,
@@ -164,6 +164,15 @@ class Raiser:
         """Rows of a table as this dialect means them; it may set ``self.modes``."""
         return [moves]
 
+    def simple_rows(self, words: Columns, firsts: Array) -> Array:
+        """For each line of a table, whether it may be a row of ``Moves``."""
+        return simple_lines(words, firsts, self.letters)
+
+    def moves(self, words: Columns, file: int, span: Span) -> tuple[Moves, int, int] | None:
+        """Simple lines as a table, see ``moves_of``; it may set modes that only this dialect has."""
+        assert self.modes is not None
+        return moves_of(words, self.modes, self.letters, file, span)
+
     def own(self, node: Statement) -> list[Node]:
         """A statement that only this dialect has; Unraisable."""
         raise Unraisable(type(node).__name__, "this statement has no neutral form")
@@ -195,7 +204,7 @@ class Raiser:
 
     def job(self) -> Job:
         """The program as a Job, verified."""
-        body = self.statements((*self.program.head, *self.program.body))
+        body = self.statements(self.program.body)
         body += self.at_end(None)
         body += self.comments.before(1 << 31)
         job = Job(
@@ -284,7 +293,7 @@ class Raiser:
         """Lines of a table whose words are here."""
         found: list[Node] = []
         firsts = first_words(words)
-        simple = simple_lines(words, firsts, self.letters)
+        simple = self.simple_rows(words, firsts)
         numbers = words["line"][firsts]
         at, count = 0, len(firsts)
         while at < count:
@@ -301,7 +310,7 @@ class Raiser:
                     stop = min(stop, max(at + 1, int(np.searchsorted(numbers, following, "right"))))
                 last = int(firsts[stop]) if stop < count else len(words)
                 part = words.slice(int(firsts[at]), last)
-                taken = moves_of(part, self.modes, self.letters, file, Span(name, line))
+                taken = self.moves(part, file, Span(name, line))
                 if taken is not None:
                     moves, motion, lines = taken
                     self.moved(motion)

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
+    from gproof.ir.job import Job
     from gproof.ir.machine import Machine
+    from gproof.ir.program import Program
     from gproof.ir.settings import Settings
 
 
@@ -55,6 +57,12 @@ def _settings_from(root: TomlTable, machine: Machine, unit: Fraction, keys: dict
     return settings_from(root, machine, unit)
 
 
+def _raise_program(program: Program, machine: Machine) -> Job:
+    from gproof.frontend.wincnc.raising import raise_program
+
+    return raise_program(program, machine)
+
+
 FRONTEND = Frontend(
     name="wincnc",
     title="WinCNC",
@@ -78,4 +86,5 @@ FRONTEND = Frontend(
     own_table=OwnTable(name="controls", usual=_usual_settings, read=_settings_from),
     machine_files=(SETTINGS,),
     knows_machine=_knows_machine,
+    raise_program=_raise_program,
 )
