@@ -20,7 +20,7 @@ from gproof.driver.running import begin
 from gproof.driver.session import Session, open_session
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Findings, Severity
-from gproof.ir.setup import ZERO, Interval, Setup
+from gproof.ir.setup import ZERO, Interval, Setup, StoredPosition
 
 CASES = cases()
 LISTED = {"traverse", "feed", "arc", "dwell", "spindle", "setpoint", "coolant", "output", "input_wait", "stop", "home"}
@@ -52,9 +52,14 @@ def setup_of(state: dict[str, Any], dialect: str) -> Setup:
         outputs=dict.fromkeys(range(65), 0.0),
         answers={n: float(word == "yes") for n, word in enumerate(state.get("answers", []), 1)},
         parameters={int(n): float(v) for n, v in state.get("parameters", {}).items() if dialect == "eding"},
+        positions={name: _stored(place) for name, place in state.get("positions", {}).items()},
         tool=state.get("tool", 0),
         default_parameter=None if dialect == "mcuwin" else 0.0,
     )
+
+
+def _stored(machine: list[float]) -> StoredPosition:
+    return StoredPosition(axes=dict(zip(AXES, machine, strict=True)))
 
 
 @cache
