@@ -18,10 +18,12 @@ if TYPE_CHECKING:
 
 @record(frozen=True, slots=True)
 class TargetEntry:
-    """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own."""
+    """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own;
+    comment: what is around the text of a comment."""
 
     target: Callable[[], Target]
     write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]
+    comment: tuple[str, str] = ("(", ")")
 
 
 def _eding() -> Target:

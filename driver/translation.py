@@ -23,12 +23,14 @@ from gproof.ir.program import Program
 from gproof.ir.record import field, record
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import NOTHING, Setup
-from gproof.ir.target import Target
+from gproof.ir.target import Style, Target
 from gproof.ir.trace import Trace
-from gproof.ir.translation_terms import TranslationTerms
+from gproof.ir.translation_map import NO_MAP, TranslationMap
+from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 from gproof.ir.verdict import Verdict
+from gproof.passes.legalize.by_map import by_map
 from gproof.passes.legalize.context import Lowered, Options
-from gproof.passes.legalize.legalize import Legal, legalize
+from gproof.passes.legalize.legalize import Legal, before_refusal, legalize
 from gproof.verify.translation.compare import compare
 from gproof.verify.translation.comparison import Comparison, Divergence
 from gproof.verify.translation.words import sentence, where
@@ -51,6 +53,8 @@ class Wanted:
     dialect: str | None = None
     chord_tolerance: float = 0.01
     exact: bool = False
+    map: Path | None = None
+    partial: bool = False
     straight_rapids: bool = False
     running: Running = Running()
 
@@ -58,7 +62,8 @@ class Wanted:
 @record(slots=True, kw_only=True)
 class Translation:
     """How it went. verdict: SAFE where ``files`` is proven to be the same job; files: text by name, "" for the job's
-    own, empty where it is refused; lowered: patterns used; comparison: None where nothing was compared."""
+    own, empty where it is refused; lowered: patterns used; comparison: None where nothing was compared; partial: the
+    files end before the first construct that is refused."""
 
     session: Session
     target: Target
@@ -68,6 +73,8 @@ class Translation:
     assumed: list[str] = field(default_factory=list)
     findings: Findings = field(default_factory=Findings)
     comparison: Comparison | None = None
+    map: TranslationMap = NO_MAP
+    partial: bool = False
 
 
 def translate(wanted: Wanted) -> Translation:
@@ -83,8 +90,9 @@ def translate(wanted: Wanted) -> Translation:
             done.findings.add(finding)
         return done
     machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
-    legal = legal_job(session, target, machine_to, wanted)
-    done.lowered, done.assumed = legal.lowered, list(legal.assumed)
+    given = _map(wanted.map)
+    legal = legal_job(session, target, machine_to, wanted, given)
+    done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
     for refused in legal.refused:
         tried = f"tried: {'; '.join(refused.tried)}" if refused.tried else ""
         done.findings.add(
@@ -92,24 +100,27 @@ def translate(wanted: Wanted) -> Translation:
                 refused.span, construct=refused.construct, target=target.title, why=refused.why, hint=tried
             )
         )
-    if legal.refused:
+    if legal.refused and not wanted.partial:
         return done
-    styles = [target.style]
+    job = before_refusal(legal) if legal.refused else legal.job
+    styles = [given.styled(target.style)]
     exact = replace(
-        target.style, decimals_mm=EXACT_DECIMALS, decimals_inch=EXACT_DECIMALS, decimals_deg=EXACT_DECIMALS,
+        styles[0], decimals_mm=EXACT_DECIMALS, decimals_inch=EXACT_DECIMALS, decimals_deg=EXACT_DECIMALS,
         decimals=EXACT_DECIMALS,
     )  # fmt: skip
     if wanted.exact:
         styles = [exact]
+    done.partial = bool(legal.refused)
     for style in styles:
         try:
-            done.files = entry.write(legal.job, target, machine_to, style)
+            done.files = entry.write(job, target, machine_to, style)
         except Unprintable as error:
             span = Span(str(wanted.job), 1)
             why = "it has no text for it"
             done.findings.add(codes.NOT_TRANSLATED.at(span, construct=str(error), target=target.title, why=why))
             return done
-        prove(done, machine_to, wanted, style.decimals_mm)
+        if not done.partial:
+            prove(done, machine_to, wanted, style)
     return done
 
 
@@ -133,14 +144,37 @@ def raised(session: Session) -> Job:
     return raising(session.program, session.machine)
 
 
-def legal_job(session: Session, target: Target, machine: Machine, wanted: Wanted) -> Legal:
-    """The job as the target can have it."""
+def _map(path: Path | None) -> TranslationMap:
+    """The map in a file; UsageError, with findings, for a bad one."""
+    if path is None:
+        return NO_MAP
+    from gproof.driver.files import require_file
+    from gproof.frontend.files.translation_map import load_translation_map
+
+    require_file(path, "map file")
+    findings = Findings()
+    found = load_translation_map(path, findings)
+    if found is None:
+        raise UsageError(f"map file {path}: cannot be used, see the errors above", findings)
+    return found
+
+
+def legal_job(
+    session: Session, target: Target, machine: Machine, wanted: Wanted, given: TranslationMap
+) -> Legal:  # fmt: skip
+    """The job as the target can have it; UsageError for an entry of the map that nothing needs."""
+    same = wanted.to == session.dialect
+    mapped = by_map(raised(session), given, target, machine, same=same)
+    if mapped.unused:
+        table, number = mapped.unused[0]
+        raise UsageError(f"map file {wanted.map}: [{table}] {number}: nothing in {wanted.job} needs it")
     setup = session.setup
     values = {number: float(value) for number, value in setup.parameters.items()}
     options = Options(
         chord_tolerance=wanted.chord_tolerance, block_delete=setup.block_delete, values=values,
+        coolant=given.coolant, tool_change=given.tool_change,
     )  # fmt: skip
-    return legalize(raised(session), target, options)
+    return legalize(mapped.job, target, options)
 
 
 def any_zero(setup: Setup) -> Setup:
@@ -152,7 +186,7 @@ def any_zero(setup: Setup) -> Setup:
     )  # fmt: skip
 
 
-def prove(done: Translation, machine: Machine, wanted: Wanted, decimals: int) -> None:
+def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> None:
     """Read what was printed, under the target's machine, and compare both traces."""
     session = done.session
     assert session.program is not None
@@ -170,7 +204,7 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, decimals: int) ->
         setup = session.setup if wanted.to == session.dialect else NOTHING
         target = _trace(_own_devices(program, done), setup, machine, read, wanted.running, session)
         _also(done, read, Path(folder))
-        comparison = compare(source, target, terms_of(done, program, session.machine, machine, wanted, decimals))
+        comparison = compare(source, target, terms_of(done, program, session.machine, machine, wanted, style))
     done.comparison = comparison
     for found in comparison.differences:
         done.findings.add(codes.TRANSLATION_DIFFERS.at(_span(found, wanted.job), what=_what(found)))
@@ -257,24 +291,31 @@ def _what(found: Divergence, *, is_open: bool = False) -> str:
 
 
 def terms_of(
-    done: Translation, program: Program, source: Machine, target: Machine, wanted: Wanted, decimals: int
+    done: Translation, program: Program, source: Machine, target: Machine, wanted: Wanted, style: Style
 ) -> TranslationTerms:
     """What both sides agree on."""
     own = done.session.program
     assert own is not None
-    half = 0.5 * 10.0**-decimals * ROUNDING
+    half = 0.5 * max(10.0**-style.decimals_mm, 25.4 * 10.0**-style.decimals_inch) * ROUNDING
     chords = any(one.pattern == "arc -> chords" for one in done.lowered)
     left_out = frozenset(
         name for name, had in (("path_mode", done.target.path_modes), ("guards", "guard" in done.target.legal))
         if not had
     )  # fmt: skip
+    given = done.map
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
     return TranslationTerms(
         source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,
-        tolerance_deg=0.5 * 10.0**-done.target.style.decimals_deg * ROUNDING + 1e-9,
+        tolerance_deg=0.5 * 10.0**-style.decimals_deg * ROUNDING + 1e-9,
         chord_mm=wanted.chord_tolerance if chords else 0.0, feed_relative=1e-4, seconds=1e-4,
         source_outputs=own.spindle_outputs, target_outputs=program.spindle_outputs,
         source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
+        outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
+        tools=tuple(sorted(given.tools.items())),
+        source_symbols=tuple(
+            SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
+            for old, new in given.offsets.items() for axis in AXIS_NAMES
+        ),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
     )  # fmt: skip
 

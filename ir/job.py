@@ -500,7 +500,7 @@ class Job:
             elif isinstance(node, RunRoutine) and node.name not in self.routines:
                 raise ValueError(f"routine {node.name!r} is not there")
             elif isinstance(node, GoTo) and node.name not in marks:
-                raise ValueError(f"{node} goes to a mark that it cannot reach")
+                raise ValueError(f"{node} leads to a mark that it cannot reach")
             elif isinstance(node, SetFrame) and node.action not in FRAME_ACTIONS:
                 raise ValueError(f"{node.action!r} is nothing that a frame does")
             for amount in quantities(node):
@@ -559,6 +559,18 @@ def walk(body: Nodes) -> Iterator[Node]:
         yield node
         for part in bodies(node):
             yield from walk(part)
+
+
+def used_routines(body: Nodes, routines: dict[str, Routine]) -> dict[str, Routine]:
+    """Those that a body runs, and that these run, in the order of their list."""
+    used: set[str] = set()
+    rest = [body]
+    while rest:
+        for node in walk(rest.pop()):
+            if isinstance(node, RunRoutine) and node.name not in used:
+                used.add(node.name)
+                rest.append(routines[node.name].body)
+    return {name: routine for name, routine in routines.items() if name in used}
 
 
 AXIS_BIT = {name: 1 << column for column, name in enumerate(AXIS_NAMES)}

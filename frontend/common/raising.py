@@ -27,14 +27,13 @@ from gproof.ir.job import (
     Mark,
     Moves,
     Node,
-    Nodes,
     NotRaised,
     OptionalPart,
     Remark,
     Routine,
     RunRoutine,
     SetVariable,
-    walk,
+    used_routines,
 )
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NoteKind
@@ -478,18 +477,6 @@ class Raiser:
         self.comments.next = next(
             (n for n, row in enumerate(self.comments.rows) if row[0] >= span.line), len(self.comments.rows)
         )
-
-
-def used_routines(body: Nodes, routines: dict[str, Routine]) -> dict[str, Routine]:
-    """Those that a body runs, and that these run, in the order of their list: raising tries some that it drops."""
-    used: set[str] = set()
-    rest = [body]
-    while rest:
-        for node in walk(rest.pop()):
-            if isinstance(node, RunRoutine) and node.name not in used:
-                used.add(node.name)
-                rest.append(routines[node.name].body)
-    return {name: routine for name, routine in routines.items() if name in used}
 
 
 def _stem(name: str) -> str:

@@ -46,15 +46,12 @@ MOST_OPERATIONS = 200_000
 
 @record(frozen=True, slots=True, kw_only=True)
 class Options:
-    """chord_tolerance: mm that chords may be off an arc. channels: outputs of the source -> of the target; inputs too;
-    tools: of the source -> of the target; coolant: word of the source -> of the target (``mist`` -> ``flood``);
-    block_delete: whether the switch is on, None: not known; setup: variables whose values are stated."""
+    """chord_tolerance: mm that chords may be off an arc. coolant, tool_change: see ``TranslationMap``; block_delete:
+    whether the switch is on, None: not known; values: variables whose values are stated."""
 
     chord_tolerance: float = 0.01
-    outputs: Mapping[int, int] = field(default_factory=dict)
-    inputs: Mapping[int, int] = field(default_factory=dict)
-    tools: Mapping[int, int] = field(default_factory=dict)
     coolant: Mapping[str, str] = field(default_factory=dict)
+    tool_change: str = ""
     block_delete: bool | None = None
     values: Mapping[int, float] = field(default_factory=dict)
 

@@ -8,27 +8,35 @@ construct is refused with its line and the patterns that were tried.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TypeVar
+
+import numpy as np
 
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     Choice,
     CountLoop,
     DrillHole,
+    EndJob,
     Job,
     LoopWhile,
+    Moves,
     Node,
     Nodes,
     NotRaised,
     OptionalPart,
+    PauseJob,
+    Remark,
     RepeatGrid,
     Routine,
     RunRoutine,
     bodies,
+    used_routines,
     walk,
 )
-from gproof.ir.job_features import features
+from gproof.ir.job_features import features, row_features
 from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
 from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
@@ -63,6 +71,30 @@ class Legal:
 def legalize(job: Job, target: Target, options: Options) -> Legal:
     """The whole job."""
     return _Legalizer(job, target, options).run()
+
+
+def before_refusal(legal: Legal) -> Job:
+    """What comes before the first construct that is refused, and a stop: each left a ``NotRaised`` in its place."""
+    job = legal.job
+    body: list[Node] = []
+    span = legal.refused[0].span
+    for node in job.body:
+        lost = next((one for one in _all_within((node,), job) if isinstance(one, NotRaised)), None)
+        if lost is not None:
+            span = lost.span
+            break
+        body.append(node)
+    text = f"the translation ends here: {legal.refused[0].construct}"
+    body += [Remark(text=text, span=span), PauseJob(span=span), EndJob(span=span)]
+    kept = used_routines(tuple(body), job.routines)
+    return Job(source=job.source, files=job.files, body=tuple(body), routines=kept)
+
+
+def _all_within(body: Nodes, job: Job) -> Iterator[Node]:
+    """Operations of a body and of the routines that it runs."""
+    yield from walk(body)
+    for routine in used_routines(body, job.routines).values():
+        yield from walk(routine.body)
 
 
 class _Legalizer:
@@ -136,6 +168,7 @@ class _Legalizer:
                 continue
             instead = self._rewritten(node, missing[0])
             if instead is None:
+                found += self._lost(node, missing[0])
                 self.context.forget((node,))
             else:
                 rest.extend(reversed(instead))
@@ -156,6 +189,16 @@ class _Legalizer:
             why = f"{self.target.title} does not have it"
             self.refused.append(NotLegal(FEATURES[feature], why, node.span, tuple(tried)))
         return None
+
+    def _lost(self, node: Node, feature: str) -> list[Node]:
+        """What stands for a refused operation: the rows of a table before it, and a mark."""
+        lost = NotRaised(construct=self.refused[-1].construct, why=self.refused[-1].why, span=self.refused[-1].span)
+        if not isinstance(node, Moves):
+            return [lost]
+        rows = row_features(node).get(feature)
+        first = 0 if rows is None else int(np.argmax(rows))
+        lost = replace(lost, span=replace(lost.span, line=int(node.rows["line"][first])))
+        return [replace(node, rows=node.rows.slice(0, first)), lost] if first else [lost]
 
     def _check_rank(self, pattern: Pattern, feature: str, instead: list[Node]) -> None:
         if pattern.unrolls:

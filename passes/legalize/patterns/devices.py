@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gproof.ir.job import ChangeTool, EndJob, Node, Remark, ShowText, SwitchCoolant
+from gproof.ir.job import ChangeTool, EndJob, Node, PauseJob, Remark, ShowText, SwitchCoolant
 from gproof.ir.program import Number, Text
 from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
@@ -47,6 +47,16 @@ def change_with_number(node: Node, feature: str, context: Context) -> list[Node]
     return None if number is None else [replace(node, number=Number(number, node.span), select=True)]
 
 
+def change_as_stop(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A tool change by hand on a target without any: a stop, where the map says so."""
+    if not isinstance(node, ChangeTool) or not node.change or context.options.tool_change != "stop":
+        return None
+    number = None if node.number is None else context.value(node.number)
+    context.assume("at a stop for a tool change the operator puts in the tool that the comment names")
+    what = "the next tool" if number is None else f"tool {number:g}"
+    return [Remark(text=f"put in {what}", span=node.span), PauseJob(span=node.span)]
+
+
 def message_as_comment(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A text for the operator moves nothing: as a comment it is at its place."""
     if not isinstance(node, ShowText):
@@ -67,6 +77,7 @@ PATTERNS = (
     Pattern(name="coolant -> the other coolant", removes=("mist", "flood"), apply=coolant_by_map, unrolls=True),
     Pattern(name="tool selected early -> at the change", removes=("tool_select",), apply=selected_with_the_change),
     Pattern(name="change -> change with a number", removes=("tool_change",), apply=change_with_number, unrolls=True),
+    Pattern(name="tool change -> stop", removes=("tool_change",), apply=change_as_stop),
     Pattern(
         name="message -> comment", removes=("message", "variable", "expression", "system_variable"),
         apply=message_as_comment,

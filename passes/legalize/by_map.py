@@ -1,0 +1,132 @@
+"""Outputs, inputs, tools and work offsets of the source as those of the target, by the map of the translation.
+
+What needs an entry that the map lacks is refused by name; an entry that no operation needs is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from gproof.ir.job import (
+    ChangeTool,
+    Choice,
+    Compensate,
+    CountLoop,
+    Job,
+    LoopWhile,
+    Node,
+    Nodes,
+    NotRaised,
+    OptionalPart,
+    RepeatGrid,
+    SetFrame,
+    SwitchOutput,
+    UseLength,
+    WaitFor,
+)
+from gproof.ir.machine import Machine
+from gproof.ir.program import Expr, Number
+from gproof.ir.record import field, record
+from gproof.ir.target import Target
+from gproof.ir.translation_map import TranslationMap
+
+
+@record(slots=True, kw_only=True)
+class Mapped:
+    """job: with the target's numbers; unused: (table, number) of entries of the map that nothing in the job needs."""
+
+    job: Job
+    unused: list[tuple[str, int]] = field(default_factory=list)
+
+
+def by_map(job: Job, given: TranslationMap, target: Target, machine: Machine, *, same: bool) -> Mapped:
+    """The job in the numbers of the target. same: both machines have one controller, so that numbers without an entry
+    stay as they are; else outputs and inputs need one."""
+    mapper = _Mapper(given, target, machine, same)
+    routines = {
+        name: replace(routine, body=mapper.body(routine.body)) for name, routine in job.routines.items()
+    }  # fmt: skip
+    mapped = Job(source=job.source, files=job.files, body=mapper.body(job.body), routines=routines)
+    tables = {"outputs": given.outputs, "inputs": given.inputs, "tools": given.tools, "offsets": given.offsets}
+    unused = [
+        (name, number) for name, table in tables.items() for number in table if (name, number) not in mapper.used
+    ]  # fmt: skip
+    return Mapped(job=mapped, unused=unused)
+
+
+class _Refused(Exception):
+    """(construct, why)."""
+
+
+class _Mapper:
+    def __init__(self, given: TranslationMap, target: Target, machine: Machine, same: bool) -> None:
+        self.given = given
+        self.target = target
+        self.machine = machine
+        self.same = same
+        self.used: set[tuple[str, int]] = set()
+
+    def body(self, nodes: Nodes) -> Nodes:
+        """A list of operations."""
+        return tuple(self.node(node) for node in nodes)
+
+    def node(self, node: Node) -> Node:
+        """One operation, and what is within it."""
+        if isinstance(node, Choice):
+            return replace(node, then=self.body(node.then), otherwise=self.body(node.otherwise))
+        if isinstance(node, OptionalPart | LoopWhile | CountLoop | RepeatGrid):
+            return replace(node, body=self.body(node.body))
+        try:
+            return self._own(node)
+        except _Refused as refused:
+            construct, why = refused.args
+            return NotRaised(construct=construct, why=why, span=node.span)
+
+    def _own(self, node: Node) -> Node:
+        if isinstance(node, SwitchOutput):
+            return replace(node, channel=self.number(node.channel, "outputs", "output"))
+        if isinstance(node, WaitFor):
+            return replace(node, channel=self.number(node.channel, "inputs", "input"))
+        if isinstance(node, ChangeTool) and node.number is not None:
+            return replace(node, number=self.number(node.number, "tools", "tool", self.check_tool))
+        if isinstance(node, UseLength | Compensate) and node.tool is not None:
+            return replace(node, tool=self.number(node.tool, "tools", "tool", self.check_tool))
+        if isinstance(node, SetFrame) and node.number is not None:
+            return replace(node, number=self.number(node.number, "offsets", "work offset", self.check_offset))
+        return node
+
+    def check_tool(self, number: int) -> str:
+        """Why the target has no such tool, "" if it may have it."""
+        if number > self.target.tools:
+            return f"tools of {self.target.title} have numbers up to {self.target.tools}"
+        known = [tool.number for tool in self.machine.tools]
+        if known and number and number not in known:
+            return f"the tool table of the target's machine has no tool {number}"
+        return ""
+
+    def check_offset(self, number: int) -> str:
+        """Why the target has no such work offset."""
+        if number <= self.target.offsets:
+            return ""
+        return f"{self.target.title} has {self.target.offsets} work offsets"
+
+    def number(self, value: Expr, table: str, what: str, check: Callable[[int], str] | None = None) -> Expr:
+        """The number of the target; _Refused."""
+        entries: dict[int, int] = getattr(self.given, table)
+        if not isinstance(value, Number):
+            if entries:
+                raise _Refused(f"{what} by a computed number", f"the map has [{table}], and which one it is, is open")
+            return value
+        number = round(value.value)
+        if number in entries:
+            self.used.add((table, number))
+            found = entries[number]
+        elif check is None and not self.same:
+            raise _Refused(f"{what} {number}", f"the map has no entry for it: [{table}] {number} = ...")
+        else:
+            found = number
+        why = "" if check is None else check(found)
+        if why:
+            raise _Refused(f"{what} {number}", why)
+        return Number(float(found), value.span)
