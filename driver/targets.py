@@ -38,6 +38,24 @@ def _write_eding(job: Job, target: Target, machine: Machine, style: Style) -> di
     return write(job, target, machine, style)
 
 
+def _mcuwin() -> Target:
+    from gproof.ir.dialects.mcuwin.target import TARGET
+
+    return TARGET
+
+
+def _write_mcuwin(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
+    from gproof.backend.emit.mcuwin.from_job import write
+
+    return write(job, target, machine, style)
+
+
+def _mcuwin_of(target: Target, machine: Machine) -> Target:
+    from gproof.ir.dialects.mcuwin.target import adapted
+
+    return adapted(target, machine)
+
+
 TARGETS: dict[str, TargetEntry] = {
     "eding": TargetEntry(_eding, _write_eding),
 }

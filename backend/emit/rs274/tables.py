@@ -16,17 +16,21 @@ PIECE_ROWS = 1 << 16
 
 
 def table_text(
-    moves: Moves, style: Style, axes: tuple[str, ...], first: list[float], motion: int | None, indent: int
-) -> tuple[bytes, int]:
+    moves: Moves, style: Style, axes: tuple[str, ...], first: list[float], motion: int | None, indent: int,
+    *, two_digits: bool = False,
+) -> tuple[bytes, int]:  # fmt: skip
     """(text, code of motion of the last row).
 
-    axes: letters by column; first: G codes before the words of the first row; motion: the code in force, None: unknown.
+    axes: letters by column; first: G codes before the words of the first row; motion: the code in force, None: unknown;
+    two_digits: codes are G00 to G03.
     """
     parts = []
     for begin in range(0, len(moves.rows), PIECE_ROWS):
         rows = moves.rows.slice(begin, min(begin + PIECE_ROWS, len(moves.rows)))
         words, motion = _words(rows, moves, style, axes, first if begin == 0 else [], motion)
-        text, _ = plain_lines(1, len(rows), words, NO_NOTES, indent=indent, limit=1 << 30, newline=style.newline)
+        text, _ = plain_lines(
+            1, len(rows), words, NO_NOTES, indent=indent, limit=1 << 30, newline=style.newline, two_digits=two_digits
+        )
         parts.append(text)
     assert motion is not None
     return b"".join(parts), motion
