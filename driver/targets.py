@@ -19,11 +19,12 @@ if TYPE_CHECKING:
 @record(frozen=True, slots=True)
 class TargetEntry:
     """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own;
-    comment: what is around the text of a comment."""
+    comment: what is around the text of a comment; adapted: the table for a machine."""
 
     target: Callable[[], Target]
     write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]
     comment: tuple[str, str] = ("(", ")")
+    adapted: Callable[[Target, Machine], Target] | None = None
 
 
 def _eding() -> Target:
@@ -58,4 +59,5 @@ def _mcuwin_of(target: Target, machine: Machine) -> Target:
 
 TARGETS: dict[str, TargetEntry] = {
     "eding": TargetEntry(_eding, _write_eding),
+    "mcuwin": TargetEntry(_mcuwin, _write_mcuwin, ("' ", ""), _mcuwin_of),
 }

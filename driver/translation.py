@@ -90,6 +90,8 @@ def translate(wanted: Wanted) -> Translation:
             done.findings.add(finding)
         return done
     machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
+    if entry.adapted is not None:
+        done.target = target = entry.adapted(target, machine_to)
     given = _map(wanted.map)
     legal = legal_job(session, target, machine_to, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given

@@ -161,6 +161,8 @@ def _own(node: Node) -> Iterator[str]:
             yield "relative"
     elif isinstance(node, ArcTo):
         yield "arc" if node.radius is None else "arc_radius"
+        if any(not place.relative for place in node.center):
+            yield "arc_place"
         if node.turns is not None:
             yield "arc_turns"
         if node.plane != "xy":

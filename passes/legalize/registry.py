@@ -11,6 +11,7 @@ from gproof.passes.legalize.patterns import (
     devices,
     grids,
     loops,
+    nothing_on,
     paths,
     places,
     routines,
@@ -27,4 +28,5 @@ PATTERNS: tuple[Pattern, ...] = (
     *places.PATTERNS,
     *paths.PATTERNS,
     *devices.PATTERNS,
+    *nothing_on.PATTERNS,
 )

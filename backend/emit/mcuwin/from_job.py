@@ -179,8 +179,10 @@ class McuWinWriter(JobWriter):
 
     def close(self, node: Node) -> None:
         """``$end``, ``$end until``."""
-        until = isinstance(node, LoopWhile) and node.first
-        self.line(f"$end until {self.pascal.condition(node.condition, negated=True)};" if until else "$end;")  # type: ignore[attr-defined]
+        if isinstance(node, LoopWhile) and node.first:
+            self.line(f"$end until {self.pascal.condition(node.condition, negated=True)};")
+        else:
+            self.line("$end;")
         self.moved = True
 
     def routine_name(self, name: str) -> str:
@@ -332,14 +334,14 @@ class McuWinWriter(JobWriter):
         if absolute and any(place.relative for place in node.to):
             raise Unprintable("an arc to a distance with a place as its centre")
         zero = Quantity(Number(0.0, node.span), "mm")
-        center = [
-            f"{CENTERS[axis]}{self.amount(places[axis].at if axis in places else zero)}" for axis in node.plane
-        ]
+        center = [f"{CENTERS[axis]}{self.amount(places[axis].at if axis in places else zero)}" for axis in node.plane]
         self.distances(node.to, node.span)
         if absolute and not node.to and self.state.get("relative") is not False:
             self.put(MODE, ["G90"], node.span)
             self.state["relative"] = False
-        self.motion("G02" if node.clockwise else "G03", [*self.words(node.to), *center], self.feed(node.feed), node.span)
+        self.motion(
+            "G02" if node.clockwise else "G03", [*self.words(node.to), *center], self.feed(node.feed), node.span
+        )
 
     def _plane(self, plane: str) -> None:
         if self.state.get("plane") != plane:
@@ -400,6 +402,8 @@ class McuWinWriter(JobWriter):
                 raise Unprintable("a work offset beyond G58")
             self.line(f"G{53 + round(number)}")
         elif node.action in ("zero_keep", "zero_recall"):
+            if len(self._kept_places()) > 1:
+                raise Unprintable("several work zeros that are kept")
             self.line("G153" if node.action == "zero_keep" else "G154")
         elif node.action in ("zero_at", "zero_shift"):
             relative = node.action == "zero_shift"
@@ -409,6 +413,11 @@ class McuWinWriter(JobWriter):
             self.line(" ".join(["G92", *self.words(node.places)]))
         else:
             raise Unprintable(node.action)
+
+    def _kept_places(self) -> set[object]:
+        """Numbers of the places in which zeros are kept; McuWIN has one (3.33)."""
+        kept = [node for node in self.all_nodes() if isinstance(node, SetFrame) and node.action == "zero_keep"]
+        return {node.number.value if isinstance(node.number, Number) else node.number for node in kept}
 
     # ---- what Task 0 does (4, 5)
 
@@ -436,7 +445,9 @@ class McuWinWriter(JobWriter):
         if node.mist:
             raise Unprintable("mist coolant")
         if node.flood is not None:
-            self.put(SWITCH, [self.code("coolant_on", "M8") if node.flood else self.code("coolant_off", "M9")], node.span)
+            self.put(
+                SWITCH, [self.code("coolant_on", "M8") if node.flood else self.code("coolant_off", "M9")], node.span
+            )
         self.moved = False
 
     def tool(self, node: ChangeTool) -> None:

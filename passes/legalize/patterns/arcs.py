@@ -191,7 +191,24 @@ def _chords_of(
     return arrays
 
 
+def from_start(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A centre that is a place, as a distance from the start, where that is known."""
+    if not isinstance(node, ArcTo):
+        return None
+    center = []
+    for place in node.center:
+        start, at = context.place.get(place.axis), context.mm(place.at)
+        if not place.relative:
+            if start is None or at is None:
+                return None
+            by = Number((at - start) / MM[place.at.unit], place.at.value.span)
+            place = AxisPlace(place.axis, Quantity(by, place.at.unit), True)
+        center.append(place)
+    return [replace(node, center=tuple(center))]
+
+
 PATTERNS = (
+    Pattern(name="centre at a place -> from the start", removes=("arc_place",), apply=from_start),
     Pattern(name="radius -> centre", removes=("arc_radius",), apply=by_center),
     Pattern(
         name="arc -> chords", removes=("arc", "arc_xz", "arc_yz", "arc_helix", "arc_full"), apply=chords
