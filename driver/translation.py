@@ -17,12 +17,12 @@ from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
-from gproof.ir.job import Job
+from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import Program
 from gproof.ir.record import field, record
 from gproof.ir.rules import Function as F
-from gproof.ir.setup import NOTHING, Setup
+from gproof.ir.setup import NOTHING, Interval, Setup
 from gproof.ir.target import Style, Target
 from gproof.ir.trace import Trace
 from gproof.ir.translation_map import NO_MAP, TranslationMap
@@ -43,7 +43,8 @@ ROUNDING = 1.02
 
 @record(frozen=True, slots=True, kw_only=True)
 class Wanted:
-    """What to translate: the arguments of ``gproof translate``. to: a key of TARGETS; machine, machine_to: files."""
+    """What to translate: the arguments of ``gproof translate``. to: a key of TARGETS; machine, machine_to: files;
+    given: a map, instead of the file ``map``."""
 
     job: Path
     to: str
@@ -54,6 +55,7 @@ class Wanted:
     chord_tolerance: float = 0.01
     exact: bool = False
     map: Path | None = None
+    given: TranslationMap | None = None
     partial: bool = False
     straight_rapids: bool = False
     running: Running = Running()
@@ -75,6 +77,7 @@ class Translation:
     comparison: Comparison | None = None
     map: TranslationMap = NO_MAP
     partial: bool = False
+    spare_used: bool = False
 
 
 def translate(wanted: Wanted) -> Translation:
@@ -92,9 +95,10 @@ def translate(wanted: Wanted) -> Translation:
     machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
     if entry.adapted is not None:
         done.target = target = entry.adapted(target, machine_to)
-    given = _map(wanted.map)
+    given = wanted.given or _map(wanted.map)
     legal = legal_job(session, target, machine_to, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
+    done.spare_used = legal.spare_used
     for refused in legal.refused:
         tried = f"tried: {'; '.join(refused.tried)}" if refused.tried else ""
         done.findings.add(
@@ -166,7 +170,9 @@ def legal_job(
 ) -> Legal:  # fmt: skip
     """The job as the target can have it; UsageError for an entry of the map that nothing needs."""
     same = wanted.to == session.dialect
-    mapped = by_map(raised(session), given, target, machine, same=same)
+    if wanted.machine_to is None and not same:
+        machine = replace(machine, tools=())
+    mapped = by_map(_without_lengths(raised(session), session, target), given, target, machine, same=same)
     if mapped.unused:
         table, number = mapped.unused[0]
         raise UsageError(f"map file {wanted.map}: [{table}] {number}: nothing in {wanted.job} needs it")
@@ -179,10 +185,25 @@ def legal_job(
     return legalize(mapped.job, target, options)
 
 
-def any_zero(setup: Setup) -> Setup:
-    """A setup of which only stays what is no offset: start, work zero and tool lengths are unknown."""
+def _without_lengths(job: Job, session: Session, target: Target) -> Job:
+    """A job of a language without tool lengths: where the target has them, none is in force from the start."""
+    own = TARGETS.get(session.dialect)
+    if own is None or "length" in own.target().legal or "length" not in target.legal:
+        return job
+    first = next((node.span for node in job.body if not isinstance(node, Remark)), Span(str(session.job), 1))
+    place = next((n for n, node in enumerate(job.body) if not isinstance(node, Remark)), len(job.body))
+    off = UseLength(on=False, span=first)
+    return replace(job, body=(*job.body[:place], off, *job.body[place:]))
+
+
+def any_zero(setup: Setup, program: Program) -> Setup:
+    """A setup of which only stays what is no offset: start, work zeros and tool lengths are unknown. At the start no
+    local offset is in force."""
+    # Where the local offset is the only one, the work offset that is active is in it.
+    only = "work" not in DIALECTS[program.dialect].frontend.open_offsets
+    none = {} if only else {name: Interval(0.0, 0.0) for name in AXIS_NAMES}
     return replace(
-        setup, name="any work zero", homed=tuple(AXIS_NAMES), start={}, work={}, g92={}, tool_lengths={}, measures={},
+        setup, name="any work zero", homed=tuple(AXIS_NAMES), start={}, work={}, g92=none, tool_lengths={}, measures={},
         default_start=None, default_offset=None, active_work=setup.active_work or 1, tool=None, workpiece=None,
         keep_out=(),
     )  # fmt: skip
@@ -247,9 +268,12 @@ def _trace(
     program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session
 ) -> Trace:  # fmt: skip
     """The trace for any work zero."""
-    machine = replace(machine, controller=replace(machine.controller, auto_tool_change=False))
+    machine = replace(
+        machine, controller=replace(machine.controller, auto_tool_change=False),
+        settings=replace(machine.settings, zero_offsets=None),
+    )  # fmt: skip
     return execute(
-        program, any_zero(setup), machine, findings, **session.options(running),
+        program, any_zero(setup, program), machine, findings, **session.options(running),
         block_delete=bool(session.setup.block_delete),
     )  # fmt: skip
 
@@ -306,7 +330,9 @@ def terms_of(
     )  # fmt: skip
     given = done.map
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
+    spare = done.target.spare_offset if done.spare_used else 0
     return TranslationTerms(
+        scratch=frozenset(f"work.{spare}.{axis}" for axis in AXIS_NAMES if spare),
         source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,
         tolerance_deg=0.5 * 10.0**-style.decimals_deg * ROUNDING + 1e-9,
         chord_mm=wanted.chord_tolerance if chords else 0.0, feed_relative=1e-4, seconds=1e-4,

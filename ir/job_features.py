@@ -184,7 +184,7 @@ def _own(node: Node) -> Iterator[str]:
         if node.top.relative or any(place.relative for place in node.at):
             yield "cycle_relative"
     elif isinstance(node, SetFrame):
-        yield _FRAMES.get(node.action, f"frame_{node.action}")
+        yield "frame_select_axes" if node.axes else _FRAMES.get(node.action, f"frame_{node.action}")
     elif isinstance(node, SetPathMode):
         yield f"path_{node.mode}"
         if node.tolerance is not None:

@@ -60,6 +60,11 @@ FEATURES: dict[str, str] = {
     "frame_rotate": "rotation of coordinates",
     "frame_scale": "scaling of coordinates",
     "frame_mirror": "mirrored coordinates",
+    "frame_zero_recall": "work zero that was kept",
+    "frame_zero_keep": "work zero kept",
+    "frame_zero_shift": "work zero shifted",
+    "frame_zero_at": "work zero at a machine place",
+    "frame_select_axes": "work offset selected for some axes",
     "frame_store_here": "work offset set at the present place",
     "frame_store": "work offset stored",
     "frame_select": "work offset selected",
@@ -135,7 +140,8 @@ class Target:
     """legal: feature -> section of the manual; variables: numbers that a program may use freely; axes: names of those
     that programs have; path_modes: whether programs say how corners are taken; straight_rapids: rapids of several axes
     are straight lines, None: the manual does not say; offsets: numbers of work offsets; tools: highest number;
-    peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine."""
+    peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine;
+    spare_offset: the work offset that zeros in machine places use, 0 for none."""
 
     name: str
     title: str
@@ -148,6 +154,7 @@ class Target:
     offsets: int = 9
     tools: int = 99
     peck_clearance: float | None = None
+    spare_offset: int = 0
 
     def verify(self) -> None:
         """Features are those that there are; ValueError otherwise."""

@@ -65,13 +65,23 @@ class Lowered:
     span: Span
 
 
+@record(frozen=True, slots=True)
+class Zero:
+    """The work zero in force. offset: number of the work offset, 0: none of them, but places from machine zero, mm or
+    degrees by axis, of axes where they are known."""
+
+    offset: int = 0
+    places: Mapping[str, float] = field(default_factory=dict)
+
+
 class TooLong(Exception):
     """More operations than MOST_OPERATIONS."""
 
 
 class Context:
     """place: mm or degrees by axis, in the frame in force, of axes whose place is known; values: variables that are;
-    spindle: the direction that is known to be in force, else ""."""
+    spindle: the direction that is known to be in force, else ""; zero: the work zero, and kept ones; local_off: no
+    local offset is in force; spare_used: the spare work offset of the target is; axes: that the job moves."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -80,6 +90,11 @@ class Context:
         self.values: dict[int, float] = dict(options.values)
         self.place: dict[str, float] = {}
         self.spindle = ""
+        self.zero = Zero(1)
+        self.local_off = True
+        self.kept: dict[float, Zero] = {}
+        self.spare_used = False
+        self.axes = axes_of(job)
         self.lowered: list[Lowered] = []
         self.assumed: dict[str, None] = {}
         self.spent = 0
@@ -122,6 +137,7 @@ class Context:
         elif isinstance(node, SetFrame):
             here = {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None and not p.relative}
             self.place = here if node.action == "local_here" else {}
+            self._after_frame(node)
         elif isinstance(node, TurnSpindle):
             self.spindle = self.spindle if node.direction == "speed" else node.direction
         elif isinstance(node, ParkAt | HomeAxes | ChangeTool | UseLength):
@@ -130,6 +146,20 @@ class Context:
             self.forget(self.job.routines[node.name].body)
         elif isinstance(node, Choice | LoopWhile | CountLoop | OptionalPart | RepeatGrid):
             self.forget((node,))
+
+    def _after_frame(self, node: SetFrame) -> None:
+        number = None if node.number is None else self.value(node.number)
+        if node.action == "select" and not node.axes:
+            places = self.zero.places if number == self.target.spare_offset else {}
+            self.zero = Zero(0 if places or number is None else round(number), places)
+        elif node.action == "store" and number == self.target.spare_offset:
+            self.zero = Zero(0, {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None})
+        elif node.action in {"local_here", "local_at", "local_add", "local_restore"}:
+            self.local_off = False
+        elif node.action in {"local_off", "local_suspend"}:
+            self.local_off = True
+        elif node.action.startswith("zero") or node.axes:
+            self.zero = Zero()
 
     def _go(self, to: Iterable[AxisPlace], *, known: bool) -> None:
         for place in to:
@@ -176,6 +206,8 @@ class Context:
         """What these operations may change is not known after them: places, and variables that they write."""
         self.place, self.spindle = {}, ""
         for node in self._all(body, set()):
+            if isinstance(node, SetFrame):
+                self.zero, self.local_off, self.kept = Zero(), False, {}
             if isinstance(node, SetVariable):
                 number = node.target.number
                 if not isinstance(number, Number):
@@ -200,6 +232,21 @@ class Context:
     def routine_nodes(self, name: str) -> Iterable[Node]:
         """Operations of a routine and of those that it runs."""
         return self._all(self.job.routines[name].body, {name})
+
+
+def axes_of(job: Job) -> tuple[str, ...]:
+    """The axes that a job moves, in their order."""
+    found: set[str] = set()
+    for body in (job.body, *(routine.body for routine in job.routines.values())):
+        for node in walk(body):
+            if isinstance(node, Moves):
+                bits = int(np.bitwise_or.reduce(node.rows["axes"]))
+                found |= {axis for column, axis in enumerate(AXIS_NAMES) if bits & (1 << column)}
+            elif isinstance(node, MoveTo | ArcTo | ParkAt):
+                found |= {place.axis for place in node.to}
+            elif isinstance(node, DrillHole):
+                found |= {node.top.axis, *(place.axis for place in node.at)}
+    return tuple(axis for axis in AXIS_NAMES if axis in found)
 
 
 def positions(moves: Moves, place: Mapping[str, float]) -> tuple[Array, Array]:

@@ -32,6 +32,7 @@ from gproof.ir.job import (
     RepeatGrid,
     Routine,
     RunRoutine,
+    SetFrame,
     bodies,
     used_routines,
     walk,
@@ -59,13 +60,14 @@ class NotLegal:
 
 @record(slots=True, kw_only=True)
 class Legal:
-    """job: everything is legal in it where nothing is refused, else what comes before the first of these, with
-    ``partial`` saying so."""
+    """job: everything is legal in it but what is ``refused``, of which it has marks; spare_used: the spare work offset
+    of the target holds zeros in machine places."""
 
     job: Job
     lowered: list[Lowered] = field(default_factory=list)
     refused: list[NotLegal] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
+    spare_used: bool = False
 
 
 def legalize(job: Job, target: Target, options: Options) -> Legal:
@@ -115,7 +117,8 @@ class _Legalizer:
         try:
             body = self.body(self.job.body)
             for name in self._reached(body):
-                self.context.place, self.context.values = {}, {}
+                self.context.forget(self.job.routines[name].body)
+                self.context.values = {}
                 routine = self.job.routines[name]
                 self.routines[name] = replace(routine, body=self.body(routine.body))
         except TooLong:
@@ -144,6 +147,8 @@ class _Legalizer:
         found = {feature for feature in features(node) if feature not in self.target.legal}
         if isinstance(node, RunRoutine) and "variable" not in self.target.legal and self._is_computed(node):
             found.add("routine_arguments")
+        if isinstance(node, RunRoutine) and "frame_zero_at" not in self.target.legal and self._moves_zero(node):
+            found.add("routine")
         if isinstance(node, DrillHole) and node.clearance is not None:
             own, given = self.target.peck_clearance, self.context.mm(node.clearance)
             if own is not None and given is not None and abs(given - own) < SAME_CLEARANCE:
@@ -153,6 +158,12 @@ class _Legalizer:
     def _is_computed(self, node: RunRoutine) -> bool:
         """Whether a routine works with variables, so that each of its runs is another list of moves."""
         return any("variable" in features(one) for one in self.context.routine_nodes(node.name))
+
+    def _moves_zero(self, node: RunRoutine) -> bool:
+        """Whether a routine sets a zero in machine places: what is in force before each of its runs counts."""
+        return any(
+            isinstance(one, SetFrame) and one.action.startswith("zero") for one in self.context.routine_nodes(node.name)
+        )
 
     def body(self, nodes: Nodes) -> Nodes:
         """A list of operations, legal."""

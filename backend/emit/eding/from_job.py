@@ -47,6 +47,11 @@ class EdingWriter(Rs274Writer):
 
     # ---- structure (4.1)
 
+    def routine_name(self, name: str) -> str:
+        """A letter, then letters, digits and _."""
+        plain = "".join(one if one.isascii() and (one.isalnum() or one == "_") else "_" for one in name)
+        return plain if plain[:1].isalpha() else f"sub_{plain}"
+
     def open(self, node: Node) -> None:
         """``if [..]``, ``while [..]``."""
         assert isinstance(node, Choice | LoopWhile)

@@ -33,4 +33,5 @@ TARGET = Target(
     path_modes=True,
     straight_rapids=True,
     peck_clearance=0.254,
+    spare_offset=9,
 )  # fmt: skip

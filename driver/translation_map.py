@@ -1,0 +1,60 @@
+"""A map for a translation, proposed from the job: ``gproof translate --map init``."""
+
+from __future__ import annotations
+
+from gproof.ir.job import ChangeTool, Job, Node, SwitchCoolant, SwitchOutput, WaitFor, walk
+from gproof.ir.job_features import expressions, parts_of_expression
+from gproof.ir.program import Input, Number
+from gproof.ir.target import Target
+from gproof.ir.translation_map import TranslationMap
+
+
+def proposed(job: Job, target: Target) -> TranslationMap:
+    """The numbers that the job uses, each as itself, and a coolant that the target has."""
+    outputs: set[int] = set()
+    inputs: set[int] = set()
+    tools: set[int] = set()
+    coolant: dict[str, str] = {}
+    for node in _all(job):
+        if isinstance(node, SwitchOutput) and isinstance(node.channel, Number):
+            outputs.add(round(node.channel.value))
+        elif isinstance(node, WaitFor) and isinstance(node.channel, Number):
+            inputs.add(round(node.channel.value))
+        elif isinstance(node, ChangeTool) and isinstance(node.number, Number):
+            tools.add(round(node.number.value))
+        elif isinstance(node, SwitchCoolant):
+            for word, other, wanted in (("mist", "flood", node.mist), ("flood", "mist", node.flood)):
+                if wanted and word not in target.legal and other in target.legal:
+                    coolant[word] = other
+        for expr in expressions(node):
+            for part in parts_of_expression(expr):
+                if isinstance(part, Input) and part.kind == "input" and isinstance(part.number, Number):
+                    inputs.add(round(part.number.value))
+    return TranslationMap(
+        outputs={n: n for n in sorted(outputs)}, inputs={n: n for n in sorted(inputs)},
+        tools={n: n for n in sorted(tools)}, coolant=coolant,
+        tool_change="stop" if tools and "tool_change" not in target.legal else "", given=True,
+    )  # fmt: skip
+
+
+def _all(job: Job) -> list[Node]:
+    return [node for body in (job.body, *(r.body for r in job.routines.values())) for node in walk(body)]
+
+
+def toml_of(found: TranslationMap, source: str, target: str) -> str:
+    """A map as a file, to be completed by hand."""
+    lines = [
+        'format = "gproof-translation/1"',
+        "",
+        f"# {source} -> {target}: the number of the source = the number of the target.",
+        "# Each is proposed as itself: compare with the wiring of both machines.",
+    ]
+    for name in ("outputs", "inputs", "tools"):
+        table: dict[int, int] = getattr(found, name)
+        if table:
+            lines += ["", f"[{name}]", *(f"{old} = {new}" for old, new in table.items())]
+    if found.coolant:
+        lines += ["", "[coolant]", *(f'{old} = "{new}"' for old, new in found.coolant.items())]
+    if found.tool_change:
+        lines.insert(1, f'tool_change = "{found.tool_change}"')
+    return "\n".join(lines) + "\n"

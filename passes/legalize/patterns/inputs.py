@@ -1,0 +1,50 @@
+"""States of inputs in conditions -> inputs that are read first."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+from gproof.ir.job import Choice, Node, WaitFor
+from gproof.ir.job_features import parts_of_expression
+from gproof.ir.program import Expr, Input, Number, Variable
+from gproof.passes.legalize.context import Context
+from gproof.passes.legalize.pattern import Pattern
+
+READ_INTO = 5399
+"""The variable that holds an input that was read (RS274)."""
+
+
+def read_first(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A choice by the state of one input: it is read, then the variable decides."""
+    if not isinstance(node, Choice) or "input_read" not in context.target.legal:
+        return None
+    inputs = {part for part in parts_of_expression(node.condition) if isinstance(part, Input)}
+    if len(inputs) != 1:
+        return None
+    only = next(iter(inputs))
+    if only.kind != "input":
+        return None
+    held = Variable(Number(float(READ_INTO), node.span), node.span)
+    condition = _replaced(node.condition, only, held)
+    return [
+        WaitFor(channel=only.number, on=None, span=node.span),
+        replace(node, condition=condition),
+    ]
+
+
+def _replaced(expr: Expr, old: Expr, new: Expr) -> Expr:
+    """An expression with a part replaced."""
+    if expr == old:
+        return new
+    found: dict[str, Any] = {}
+    for one in fields(expr):
+        value = getattr(expr, one.name)
+        if isinstance(value, Expr):
+            found[one.name] = _replaced(value, old, new)
+    return replace(expr, **found) if found else expr
+
+
+PATTERNS = (
+    Pattern(name="input in a condition -> read before", removes=("input_value",), apply=read_first),
+)  # fmt: skip
