@@ -64,6 +64,7 @@ NOTES = 4
 
 # What ``ints`` holds: rows that come next, the barrier ahead, whole matches in a row.
 SOURCE, TARGET, BARRIER, CALM = 0, 1, 2, 3
+STEPS = 1000  # parts that one call compares, at most
 
 # What ``bounds`` holds.
 MM, DEGREES, CHORD_MM, FEED_SHARE, STRAIGHT, CALM_ENOUGH = 0, 1, 2, 3, 4, 5
@@ -414,17 +415,17 @@ def small(piece: Floats, other: Floats, bounds: Floats) -> bool:
     return apart(piece, 1.0, other, np.float64(other[DONE]), bounds) <= 1.0
 
 
-@kernel(seconds_per_unit=1e-4, compile_seconds=12.0)
+@kernel(seconds_per_unit=2e-4, compile_seconds=15.0)
 def align(
     source: Moves, target: Moves, barriers: Ints, here: Floats, pieces: Floats, ints: Ints, bounds: Floats,
     notes: Ints, drift: Floats,
 ) -> int:  # fmt: skip
-    """Go on with two paths until they differ, end, or have agreed row by row for a while.
+    """Go on with two paths until they differ, end, or have agreed row by row for a while, at most ``STEPS`` parts.
 
     barriers: (n, 2), rows before each event of both, the last one their numbers of rows; here: (2, 6), where both are;
     pieces: (2, PIECE); ints, bounds, notes, drift: see above. Returns AGREES, or what is different at the rows of ints.
     """
-    while True:
+    for _ in range(STEPS):
         while (
             ints[BARRIER] < barriers.shape[0]
             and pieces[0, OPEN] == 0.0
@@ -465,3 +466,4 @@ def align(
                 moved(here[k], pieces[k], 1.0)
                 pieces[k, DONE] = -1.0
                 ints[k] += 1
+    return AGREES

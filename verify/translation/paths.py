@@ -53,13 +53,14 @@ def aligned(source: Moves, target: Moves, barriers: Ints, start: Floats, bounds:
     pieces = np.zeros((2, k.PIECE))
     pieces[:, k.DONE] = -1.0
     ints = np.zeros(4, np.int64)
-    total = len(source.op) + len(target.op)
-    run = k.align
+    # What the kernel will have to do until rows agree again nobody knows: as much as the last time.
+    work = float(CALM)
     while ints[k.BARRIER] < len(barriers):
-        _whole_columns(source, target, barriers, here, ints, bounds, result)
+        if not pieces[:, k.OPEN].any():
+            _whole_columns(source, target, barriers, here, ints, bounds, result)
         done = int(ints[k.SOURCE] + ints[k.TARGET])
-        find = run.pick(float(total - done))
-        found = find(source, target, barriers, here, pieces, ints, bounds, result.notes, result.drift)
+        found = k.align.pick(work)(source, target, barriers, here, pieces, ints, bounds, result.notes, result.drift)
+        work = float(ints[k.SOURCE] + ints[k.TARGET] - done)
         if found != k.AGREES:
             result.found = int(found)
             break
