@@ -17,10 +17,10 @@ class EndState:
 
     What is switched on is not here: the Trace has it as events.
 
-    zero: by axis the program's zero that the next job starts with, tools apart; table: entries of the table of zero
-    offsets that the program has changed, ``work.1.x``; length: by axis the tool length in force, where it is not that
-    of the start; guards_off: as of ``State``; modes: (name, text) of modes that the next job meets, the names start
-    with that of the language: other languages do not have them.
+    zero: by axis what the numbers of the next job count from, with the tool length in force; table: entries of the
+    table of zero offsets that the program has changed, ``work.1.x``; length: by axis the tool length in force, where it
+    is not that of the start; guards_off: as of ``State``; modes: (name, text) of modes that the next job meets, whose
+    names start with that of the language: other languages do not have them.
     assumed: sentences that these facts rest on.
     """
 

@@ -18,7 +18,7 @@ from gproof.ir.trace import Affine, Op, Trace, Wait
 from gproof.ir.translation_terms import TranslationTerms
 from gproof.verify.translation import align_kernels as k
 from gproof.verify.translation import outcomes
-from gproof.verify.translation.comparison import Comparison, Places, divergence
+from gproof.verify.translation.comparison import Comparison, Place, Places, divergence
 from gproof.verify.translation.ends import compare_ends
 from gproof.verify.translation.events import Devices, Event, same
 from gproof.verify.translation.paths import Alignment, aligned, bounds_of
@@ -74,6 +74,7 @@ class _Walk:
         self.seen: set[Pair] = set()
         self.ways_into = [outcomes.ways_into(trace) for trace in (source, target)]
         self.counted = [set[int](), set[int]()]
+        self.came_from: list[dict[int, Place | None]] = [{}, {}]
 
     def run(self) -> Comparison:
         """Walk until nothing is left, or both part."""
@@ -111,6 +112,9 @@ class _Walk:
         one, other = self._stretches(pair)
         for which, stretch in enumerate((one, other)):
             self.counted[which].update(stretch.sections)
+            stretch.before = self.came_from[which].get(stretch.sections[0])
+            for edge in stretch.edges:
+                self.came_from[which].setdefault(edge.target, stretch.last_place)
         if not self._starts_agree(one, other) or not self._moves_agree(one, other):
             return []
         if not outcomes.waits_agree(one, other, self.result):

@@ -171,12 +171,12 @@ class EventReader:
         self.outputs[channel] = value
         if channel in self.side.spindle_channels:
             on = {one for one in self.side.spindle_channels if self.outputs.get(one)}
-            if on == set(own.forward):
+            if not on:
+                self._turn(0.0, 0.0, at, place)
+            elif on == set(own.forward):
                 self._turn(1.0, self.speed, at, place)
             elif on == set(own.backward):
                 self._turn(-1.0, self.speed, at, place)
-            elif not on:
-                self._turn(0.0, 0.0, at, place)
         elif channel in own.coolant:
             self._cool((float(any(self.outputs.get(one) for one in own.coolant)),), at, place)
         elif known != value:

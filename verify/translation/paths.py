@@ -65,12 +65,11 @@ def aligned(source: Moves, target: Moves, barriers: Ints, start: Floats, bounds:
             result.found = int(found)
             break
     result.source, result.target = int(ints[k.SOURCE]), int(ints[k.TARGET])
-    if result.found in (k.MORE_IN_SOURCE, k.MORE_IN_TARGET):
-        which = 0 if result.found == k.MORE_IN_SOURCE else 1
-        if pieces[which, k.DONE] > 0.0:
-            # A part of the move was there on the other side, too: it goes further.
-            result.found = k.PLACE
-            result.source, result.target = result.source - which, result.target - (1 - which)
+    begun = [bool(pieces[n, k.OPEN] and pieces[n, k.DONE] > 0.0) for n in (0, 1)]
+    if result.found not in (k.AGREES, k.CHORD) and begun[0] != begun[1]:
+        # A part of the move was there on the other side, too: it goes further.
+        result.found = k.PLACE
+        result.source, result.target = result.source - begun[1], result.target - begun[0]
     return result
 
 

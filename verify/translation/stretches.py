@@ -29,7 +29,7 @@ class Stretch:
     """moves: its moves; start, start_frame: where it starts, position and number of its frame; places: (n, 2) file
     and line of each move; events, rests: see ``events``; devices: their state at its end; edges: of its last section;
     jumps: moves before which the place changed without a move; sections: their numbers; kept: by section the rows that
-    are moves.
+    are moves; before: file and line of what came before it.
     """
 
     moves: Moves
@@ -44,11 +44,12 @@ class Stretch:
     sections: tuple[int, ...]
     side: Side
     kept: dict[int, Ints]
+    before: Place | None = None
 
     def place(self, row: int) -> Place | None:
         """File and line of a move; of one that is not there, of the last."""
         if not len(self.places):
-            return None
+            return self.before
         file, line = self.places[min(row, len(self.places) - 1)].tolist()
         return self.side.trace.files[file], line
 

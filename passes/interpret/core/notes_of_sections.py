@@ -5,6 +5,7 @@ For who compares programs (``verify/translation``); nothing of a verdict rests o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gproof.ir.end_state import EndState, Left, Question
@@ -40,14 +41,14 @@ def end_state(run: Run, modes: tuple[tuple[str, str], ...]) -> EndState:
         if now.tool_offset[axis] != first.tool_offset[axis]
     }
     return EndState(
-        zero=left(zero(now)), table=left(table), length=left(lengths), guards_off=now.guards_off, modes=modes
+        zero=left(zero(now, now.g92)), table=left(table), length=left(lengths), guards_off=now.guards_off, modes=modes
     )
 
 
-def zero(modal: Modal) -> dict[str, Position]:
-    """By axis the zero of the program, without what tools and heads add."""
+def zero(modal: Modal, local: Sequence[Position]) -> dict[str, Position]:
+    """By axis the zero that numbers count from, with these local offsets and the tool length in force."""
     return {
-        AXIS_NAMES[axis]: modal.work_offsets[modal.work, axis].plus(modal.g92[axis])
+        AXIS_NAMES[axis]: modal.work_offsets[modal.work, axis].plus(local[axis]).plus(modal.tool_offset[axis])
         for axis in range(AXES)
         if modal.has_axis(axis)
     }

@@ -10,7 +10,7 @@ from typing import Any
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.end_state import EndState
 from gproof.ir.finding import Span
-from gproof.ir.machine import AXES, AXIS_NAMES, Machine
+from gproof.ir.machine import Machine
 from gproof.ir.program import Array, Block, Call, Input, Named, Program, Unsupported
 from gproof.ir.setup import Setup
 from gproof.ir.symbolic import Position, Value
@@ -19,7 +19,7 @@ from gproof.passes.interpret.core.axis_words import letters_of
 from gproof.passes.interpret.core.call_stack import Frame, Kept, PlainCell
 from gproof.passes.interpret.core.dead_variables import Idle
 from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
-from gproof.passes.interpret.core.notes_of_sections import common_modes, end_state, left
+from gproof.passes.interpret.core.notes_of_sections import common_modes, end_state, left, zero
 from gproof.passes.interpret.core.semantics import Dialect, Word
 from gproof.passes.interpret.wincnc import line as single
 from gproof.passes.interpret.wincnc import part_arrays
@@ -146,12 +146,7 @@ class WinCncDialect(Dialect[WinCncRun]):
         found = end_state(run, common_modes(modal, "wincnc"))
         if not modal.own.keep_local:
             first = self.first_state(run.program, run.setup, run.machine)
-            kept = {
-                AXIS_NAMES[axis]: modal.work_offsets[modal.work, axis].plus(first.g92[axis])
-                for axis in range(AXES)
-                if modal.has_axis(axis)
-            }
-            found = replace(found, zero=left(kept))
+            found = replace(found, zero=left(zero(modal, first.g92)))
         scales = (("wincnc: scaling", repr(modal.own.scales)), ("wincnc: knife", repr(modal.own.knife)))
         zeros = (("wincnc: machine zero", repr(modal.own.zeros)), ("wincnc: axes", repr(modal.own.sources)))
         coupled = (("wincnc: coupling", repr(modal.own.slaves)), ("wincnc: locked", repr(sorted(modal.own.locked))))

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from gproof.driver.dialects import DIALECTS, load_machine
 from gproof.driver.running import execute
-from gproof.driver.session import open_session
+from gproof.frontend.common.frontend import Reading
 from gproof.ir.finding import Findings
+from gproof.ir.machine import Machine
 from gproof.ir.setup import NOTHING
 from gproof.ir.trace import Trace
 from gproof.ir.translation_terms import TranslationTerms
@@ -16,8 +18,9 @@ from gproof.verify.translation.comparison import Comparison
 
 AXIS = '[axes.{}]\nkind = "{}"\nmin = -500.0\nmax = 500.0\nmax_velocity = 100.0\nmax_acceleration = 500.0\n'
 AXES = "".join(AXIS.format(name, "linear") for name in "xyz") + AXIS.format("a", "rotary")
+TOOLS = "[tools.2]\ndiameter = 6.0\nlength = 40.0\n[tools.3]\ndiameter = 6.0\nlength = 50.0\n"
 MACHINES = {
-    "eding": f'schema = "gproof-machine/1"\nunits = "mm"\n{AXES}[controller]\ndialect = "eding"\n',
+    "eding": f'schema = "gproof-machine/1"\nunits = "mm"\n{AXES}{TOOLS}[controller]\ndialect = "eding"\n',
     "wincnc": f'schema = "gproof-machine/1"\nunits = "mm"\n{AXES}[controller]\ndialect = "wincnc"\n',
     "mcuwin": f'schema = "gproof-machine/1"\nunits = "mm"\n{AXES}[controller]\ndialect = "mcuwin"\n',
 }
@@ -26,23 +29,34 @@ STRAIGHT = TranslationTerms(source_straight=True, target_straight=True)
 
 
 class Shop:
-    """Runs programs in a folder of its own; what was run once is kept."""
+    """Runs programs in a folder of its own; machines and what was run once are kept."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.known: dict[tuple[str, str, str], Trace] = {}
+        self.machines: dict[tuple[str, str], tuple[Path, Machine]] = {}
 
-    def trace(self, program: str, dialect: str = "eding", machine: str = "") -> Trace:
-        key = program, dialect, machine
+    def machine(self, dialect: str, more: str) -> tuple[Path, Machine]:
+        if (dialect, more) not in self.machines:
+            path = self.folder / f"machine{len(self.machines)}.toml"
+            path.write_text(MACHINES[dialect] + more, encoding="utf-8")
+            findings = Findings()
+            machine, _ = load_machine(path, findings)
+            assert machine is not None, findings.kept
+            self.machines[dialect, more] = path, machine
+        return self.machines[dialect, more]
+
+    def trace(self, program: str, dialect: str = "eding", more: str = "") -> Trace:
+        key = program, dialect, more
         if key not in self.known:
-            number = len(self.known)
-            job = self.folder / f"{number}.{SUFFIX[dialect]}"
+            job = self.folder / f"{len(self.known)}.{SUFFIX[dialect]}"
             job.write_text(program, encoding="utf-8")
-            of = self.folder / f"machine{number}.toml"
-            of.write_text(MACHINES[dialect] + machine, encoding="utf-8")
-            session = open_session(job, machine=of, setup=None, dialect=dialect)
-            assert session.program is not None, session.findings.kept
-            self.known[key] = execute(session.program, NOTHING, session.machine, Findings())
+            path, machine = self.machine(dialect, more)
+            findings = Findings()
+            reading = Reading(job=job, findings=findings, machine=machine, machine_file=path)
+            read, its_machine = DIALECTS[dialect].frontend.load_program(reading)
+            assert read is not None, findings.kept
+            self.known[key] = execute(read, NOTHING, its_machine, findings)
         return self.known[key]
 
     def compared(

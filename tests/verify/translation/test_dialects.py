@@ -1,0 +1,137 @@
+"""One job in three languages, worked out by hand from the manuals: the same, and what is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from verify.translation.support import Shop
+
+from gproof.ir.program import SpindleOutputs
+from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
+from gproof.ir.verdict import Verdict
+
+EDING = """\
+G21 G90 G17
+M3 S8000
+G4 P2
+G0 Z5
+M54 P1
+G0 X10
+G0 Y10
+G1 Z-1 F100
+G2 X20 Y20 I10 J0 F200
+G1 X40 F100
+G4 P0.5
+M55 P1
+G0 Z5
+M5
+M56 P3
+IF [#5399 == 1] THEN
+G0 X0
+ENDIF
+M0
+G0 Y0
+M30
+"""
+# G4 X: seconds; M11, M12: outputs; M17.1 skips the next line where the input is off; an F of arcs is theirs alone.
+WINCNC = """\
+G90
+S8000
+M11C2
+G4X2
+G0 Z5
+M11C1
+G0 X10
+G0 Y10
+G1 Z-1 F100
+G2 X20 Y20 I10 J0 F200
+G1 X40 F100
+G4X0.5
+M12C1
+G0 Z5
+M12C2
+M17.1C3
+G0 X0
+G4
+G0 Y0
+"""
+MCUWIN = """\
+%1
+G90 G71
+S8000 M03
+G04 2
+F100
+G00 Z5
+M26 101
+G04 0
+G00 X10
+G00 Y10
+G01 Z-1
+G02 X20 Y20 I10 J0 F200
+G01 X40 F100
+G04 0.5
+M27 101
+G00 Z5
+M05
+$if (X.digib.3) then begin
+G00 X0
+$end;
+M00
+G00 Y0
+M30
+"""
+DIN = """
+[din]
+position_unit = "mm"
+time_unit = "min"
+absolute_centers = false
+line_numbers = false
+interpolation_axes = "XYZ"
+pre_include = ""
+post_include = ""
+[din.task0]
+M0 = "stop"
+M3 = "spindle_cw"
+M4 = "spindle_ccw"
+M5 = "spindle_off"
+M30 = "end"
+S = "spindle_speed"
+"""
+AXES = "xyza"
+
+
+def one_zero(*more: str) -> tuple[SymbolMeaning, ...]:
+    """The one zero of a controller is what Eding adds of coordinate system and G92, and of the tool where it is so."""
+    return tuple(
+        SymbolMeaning(
+            symbol=f"g92.{axis}",
+            form=tuple(sorted([(f"g92.{axis}", 1), (f"work.0.{axis}", 1), *((s, 1) for s in more if s[-1] == axis)])),
+        )
+        for axis in AXES
+    )
+
+
+TO_WINCNC = TranslationTerms(
+    source="Eding", target="WinCNC", target_symbols=one_zero(), target_outputs=SpindleOutputs(forward=(2,)),
+    source_straight=True,
+)  # fmt: skip
+TO_MCUWIN = TranslationTerms(
+    source="Eding", target="McuWIN", target_symbols=one_zero("tool.0.z"), outputs=((1, 101),), inputs=((3, 103),),
+    source_straight=True, target_straight=False,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def shop(tmp_path_factory: pytest.TempPathFactory) -> Shop:
+    return Shop(Path(tmp_path_factory.mktemp("shop")))
+
+
+def test_eding_and_mcuwin(shop: Shop) -> None:
+    answer = shop.compared(EDING, (MCUWIN, "mcuwin", DIN), TO_MCUWIN)
+    assert answer.verdict is Verdict.SAFE, answer
+
+
+def test_eding_and_wincnc(shop: Shop) -> None:
+    answer = shop.compared(EDING, (WINCNC, "wincnc"), TO_WINCNC)
+    assert answer.verdict is Verdict.SAFE, answer
