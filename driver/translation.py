@@ -15,7 +15,6 @@ from gproof.driver.errors import UsageError
 from gproof.driver.running import execute
 from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
-from gproof.driver.translation_zeros import zeros
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
@@ -330,8 +329,6 @@ def terms_of(
         if not had
     )  # fmt: skip
     given = done.map
-    zero = zeros(done.session.dialect, done.target.name, (one.feature for one in done.lowered))
-    done.assumed += [text for text in zero.assumed if text not in done.assumed]
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
     spare = done.target.spare_offset if done.spare_used else 0
     return TranslationTerms(
@@ -343,10 +340,10 @@ def terms_of(
         source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
         outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
         tools=tuple(sorted(given.tools.items())),
-        source_symbols=(*zero.source, *(
+        source_symbols=tuple(
             SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
             for old, new in given.offsets.items() for axis in AXIS_NAMES
-        )), target_symbols=zero.target,
+        ),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
     )  # fmt: skip
 

@@ -501,6 +501,10 @@ class McuWinWriter(JobWriter):
 
     # ---- lines
 
+    def joins(self, rank: int, words: list[str]) -> bool:
+        """Only G90 and G91 are on the line of a move; S and T with what they are for."""
+        return rank != MOTION or all(one == MODE for one, _ in self.pending)
+
     def in_order(self, words: list[str]) -> str:
         """G codes first, then axes, F, and M last."""
         return " ".join(sorted(words, key=lambda word: ORDER.index(word[0])))
