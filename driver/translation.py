@@ -344,8 +344,21 @@ def terms_of(
             SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
             for old, new in given.offsets.items() for axis in AXIS_NAMES
         ),
+        target_symbols=_lengths_in_zeros(done),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
     )  # fmt: skip
+
+
+def _lengths_in_zeros(done: Translation) -> tuple[SymbolMeaning, ...]:
+    """Work zeros of a controller without tool lengths: a length that the job leaves as it is, is in them."""
+    own = TARGETS.get(done.session.dialect)
+    has_lengths = own is None or "length" in own.target().legal
+    if not has_lengths or "length" in done.target.legal or any(one.feature == "length" for one in done.lowered):
+        return ()
+    return tuple(
+        SymbolMeaning(symbol=f"work.{n}.z", form=(("tool.0.z", 1), (f"work.{n}.z", 1)))
+        for n in range(1, done.target.offsets + 1)
+    )
 
 
 def _limits(machine: Machine, name: str) -> tuple[float | None, float | None]:
