@@ -168,12 +168,13 @@ class SpindleOutputs:
     """Channels of outputs that run a spindle together, in either direction, as a shop's own definitions have it.
 
     They are on after the definition of its start (M3; backward: M4) and off after that of its stop (M5). coolant:
-    channels of outputs that M7 or M8 switches on and M9 off.
+    channels of outputs that M7 or M8 switches on and M9 off; mist: those of them that M7 switches on and M8 does not.
     """
 
     forward: tuple[int, ...] = ()
     backward: tuple[int, ...] = ()
     coolant: tuple[int, ...] = ()
+    mist: tuple[int, ...] = ()
 
 
 NO_OUTPUTS = SpindleOutputs()

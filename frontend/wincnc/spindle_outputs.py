@@ -56,7 +56,7 @@ class SpindleReader:
             return NO_OUTPUTS
         forward, backward = self._switched("M3", "M4", "M5")
         mist, flood = self._switched("M7", "M8", "M9")
-        return SpindleOutputs(forward, backward, tuple(sorted({*mist, *flood})))
+        return SpindleOutputs(forward, backward, tuple(sorted({*mist, *flood})), tuple(sorted({*mist} - {*flood})))
 
     def _switched(self, one: str, other: str, stop: str) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """The outputs that each of two codes leaves on and a third one switches off; none where that is not certain."""

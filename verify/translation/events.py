@@ -66,7 +66,6 @@ class EventReader:
         self.outputs = dict(outputs)
         self.found: list[Event] = []
         self.rests: set[int] = set()
-        self._mixed = bool(side.terms.source_outputs.coolant or side.terms.target_outputs.coolant)
 
     @property
     def devices(self) -> Devices:
@@ -140,8 +139,7 @@ class EventReader:
         self.spindle = now
 
     def _cool(self, now: tuple[float, ...], at: int, place: Place) -> None:
-        if self._mixed:
-            now = (float(any(now)),)
+        """now: mist and flood."""
         if now != self.coolant:
             self._add("coolant", now, at, place)
         self.coolant = now
@@ -178,7 +176,10 @@ class EventReader:
             elif on == set(own.backward):
                 self._turn(-1.0, self.speed, at, place)
         elif channel in own.coolant:
-            self._cool((float(any(self.outputs.get(one) for one in own.coolant)),), at, place)
+            flood = set(own.coolant) - set(own.mist)
+            self._cool(
+                tuple(float(any(self.outputs.get(one) for one in ones)) for ones in (own.mist, flood)), at, place
+            )
         elif known != value:
             number = float(self.side.channels.get(channel, channel))
             self._add("output", (number, value), at, place, flying=text == 1)
