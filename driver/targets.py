@@ -14,17 +14,20 @@ if TYPE_CHECKING:
     from gproof.ir.job import Job
     from gproof.ir.machine import Machine
     from gproof.ir.target import Style, Target
+    from gproof.verify.translation.rs274_reader import ReadBack
 
 
 @record(frozen=True, slots=True)
 class TargetEntry:
     """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own;
-    comment: what is around the text of a comment; adapted: the table for a machine."""
+    comment: what is around the text of a comment; adapted: the table for a machine; read: (texts, name of the job's own,
+    machine, work offset at the start) -> what they do, for a language without a front end."""
 
     target: Callable[[], Target]
     write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]
     comment: tuple[str, str] = ("(", ")")
     adapted: Callable[[Target, Machine], Target] | None = None
+    read: Callable[[dict[str, bytes], str, Machine, int], ReadBack] | None = None
 
 
 def _eding() -> Target:
@@ -57,7 +60,45 @@ def _mcuwin_of(target: Target, machine: Machine) -> Target:
     return adapted(target, machine)
 
 
+def _linuxcnc() -> Target:
+    from gproof.ir.dialects.linuxcnc.target import TARGET
+
+    return TARGET
+
+
+def _write_linuxcnc(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
+    from gproof.backend.emit.linuxcnc.from_job import write
+
+    return write(job, target, machine, style)
+
+
+def _read_linuxcnc(files: dict[str, bytes], name: str, machine: Machine, work: int) -> ReadBack:
+    from gproof.verify.translation.rs274_reader import LINUXCNC, read_back
+
+    return read_back(files, name, LINUXCNC, machine, work)
+
+
+def _grbl() -> Target:
+    from gproof.ir.dialects.grbl.target import TARGET
+
+    return TARGET
+
+
+def _write_grbl(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
+    from gproof.backend.emit.grbl.from_job import write
+
+    return write(job, target, machine, style)
+
+
+def _read_grbl(files: dict[str, bytes], name: str, machine: Machine, work: int) -> ReadBack:
+    from gproof.verify.translation.rs274_reader import GRBL, read_back
+
+    return read_back(files, name, GRBL, machine, work)
+
+
 TARGETS: dict[str, TargetEntry] = {
     "eding": TargetEntry(_eding, _write_eding),
     "mcuwin": TargetEntry(_mcuwin, _write_mcuwin, ("' ", ""), _mcuwin_of),
+    "linuxcnc": TargetEntry(_linuxcnc, _write_linuxcnc, read=_read_linuxcnc),
+    "grbl": TargetEntry(_grbl, _write_grbl, read=_read_grbl),
 }

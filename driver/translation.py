@@ -19,7 +19,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import Program
+from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
 from gproof.ir.record import field, record
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import NOTHING, Interval, Setup
@@ -219,6 +219,11 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
     read = Findings()
+    if TARGETS[wanted.to].read is not None:
+        target = _read_by_verify(done, machine, wanted)
+        terms = terms_of(done, NO_OUTPUTS, session.machine, machine, wanted, style)
+        _conclude(done, compare(source, target, terms), wanted)
+        return
     with tempfile.TemporaryDirectory() as folder:
         program, machine = _read_back(done, machine, wanted, Path(folder), read)
         if program is None:
@@ -227,7 +232,13 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
         setup = session.setup if wanted.to == session.dialect else NOTHING
         target = _trace(_own_devices(program, done), setup, machine, read, wanted.running, session)
         _also(done, read, Path(folder))
-        comparison = compare(source, target, terms_of(done, program, session.machine, machine, wanted, style))
+        terms = terms_of(done, program.spindle_outputs, session.machine, machine, wanted, style)
+        comparison = compare(source, target, terms)
+    _conclude(done, comparison, wanted)
+
+
+def _conclude(done: Translation, comparison: Comparison, wanted: Wanted) -> None:
+    """Keep what the comparison says."""
     done.comparison = comparison
     for found in comparison.differences:
         done.findings.add(codes.TRANSLATION_DIFFERS.at(_span(found, wanted.job), what=_what(found)))
@@ -240,6 +251,19 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
         done.verdict = Verdict.UNKNOWN
     else:
         done.verdict = comparison.verdict
+
+
+def _read_by_verify(done: Translation, machine: Machine, wanted: Wanted) -> Trace:
+    """What the printed program does, of a language without a front end."""
+    read = TARGETS[wanted.to].read
+    assert read is not None
+    name = f"{wanted.job.stem}{done.target.style.extension}"
+    back = read(done.files, name, machine, done.session.setup.active_work or 1)
+    for line, why in back.unread:
+        text = f"{name}, line {line}: the reader of {done.target.title} does not know {why}"
+        done.findings.add(codes.TRANSLATION_OPEN.at(Span(str(wanted.job), 1), what=text))
+    done.assumed += [one for one in back.assumed if one not in done.assumed]
+    return back.trace
 
 
 DEVICES = frozenset((
@@ -317,7 +341,7 @@ def _what(found: Divergence, *, is_open: bool = False) -> str:
 
 
 def terms_of(
-    done: Translation, program: Program, source: Machine, target: Machine, wanted: Wanted, style: Style
+    done: Translation, outputs: SpindleOutputs, source: Machine, target: Machine, wanted: Wanted, style: Style
 ) -> TranslationTerms:
     """What both sides agree on."""
     own = done.session.program
@@ -336,7 +360,7 @@ def terms_of(
         source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,
         tolerance_deg=0.5 * 10.0**-style.decimals_deg * ROUNDING + 1e-9,
         chord_mm=wanted.chord_tolerance if chords else 0.0, feed_relative=1e-4, seconds=1e-4,
-        source_outputs=own.spindle_outputs, target_outputs=program.spindle_outputs,
+        source_outputs=own.spindle_outputs, target_outputs=outputs,
         source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
         outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
         tools=tuple(sorted(given.tools.items())),

@@ -6,6 +6,7 @@ from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.patterns import (
     arcs,
     choices,
+    compensation,
     constants,
     cycles,
     devices,
@@ -31,6 +32,7 @@ PATTERNS: tuple[Pattern, ...] = (
     *frames.PATTERNS,
     *places.PATTERNS,
     *paths.PATTERNS,
+    *compensation.PATTERNS,
     *devices.PATTERNS,
     *nothing_on.PATTERNS,
 )

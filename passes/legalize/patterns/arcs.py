@@ -102,6 +102,38 @@ def _table_by_center(node: Moves, context: Context) -> list[Node] | None:
     return [replace(node, rows=Columns(MOVE, arrays))]
 
 
+def named_end(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A full circle that names no place, as one that ends by name where it starts."""
+    if isinstance(node, Moves):
+        return _table_with_named_ends(node, context)
+    if not isinstance(node, ArcTo) or node.radius is not None:
+        return None
+    unit = next((place.at.unit for place in node.center if place.at.unit in MM), "mm")
+    ends = []
+    for column in COLUMNS[node.plane]:
+        here = context.place.get(AXIS_NAMES[column])
+        if here is None:
+            return None
+        ends.append(AxisPlace(AXIS_NAMES[column], Quantity(Number(here / MM[unit], node.span), unit)))
+    if any(place.relative for place in node.to):
+        ends = [replace(end, at=Quantity(Number(0.0, node.span), unit), relative=True) for end in ends]
+    return [replace(node, to=(*ends, *node.to))]
+
+
+def _table_with_named_ends(node: Moves, context: Context) -> list[Node] | None:
+    rows = node.rows
+    which = np.flatnonzero(row_features(node)["arc_full"])
+    before, _ = positions(node, context.place)
+    arrays = {name: array.copy() for name, array in rows.arrays.items()}
+    for column in COLUMNS[node.plane]:
+        here = np.zeros(len(which)) if node.relative else before[which, column]
+        if np.isnan(here).any() or (rows["radius"][which] != 0.0).any():
+            return None
+        arrays["to"][which, column] = here
+        arrays["axes"][which] |= np.uint8(1 << column)
+    return [replace(node, rows=Columns(MOVE, arrays))]
+
+
 def chords(node: Node, feature: str, context: Context) -> list[Node] | None:
     """Arcs as chords within the tolerance, where it is known where they start."""
     if isinstance(node, Moves):
@@ -210,6 +242,7 @@ def from_start(node: Node, feature: str, context: Context) -> list[Node] | None:
 PATTERNS = (
     Pattern(name="centre at a place -> from the start", removes=("arc_place",), apply=from_start),
     Pattern(name="radius -> centre", removes=("arc_radius",), apply=by_center),
+    Pattern(name="full circle -> its end by name", removes=("arc_full",), apply=named_end),
     Pattern(
         name="arc -> chords", removes=("arc", "arc_xz", "arc_yz", "arc_helix", "arc_full"), apply=chords
     ),

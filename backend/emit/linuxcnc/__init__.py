@@ -1,0 +1,3 @@
+"""Jobs as text of LinuxCNC."""
+
+from __future__ import annotations
