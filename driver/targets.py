@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 @record(frozen=True, slots=True)
 class TargetEntry:
     """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own;
-    comment: what is around the text of a comment; adapted: the table for a machine; read: (texts, name of the job's own,
-    machine, work offset at the start) -> what they do, for a language without a front end."""
+    comment: what is around the text of a comment; adapted: the table for a machine; read: (texts, name of the job's
+    own, machine, work offset at the start) -> what they do, for a language without a front end."""
 
     target: Callable[[], Target]
     write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]

@@ -35,14 +35,14 @@ class Zeros:
     """Zero of work coordinates = work offset in force + axis offset (G92) + tool length.
 
     work: number of the work offset in force; table: offsets that the program has set, by (number, column); local: axis
-    offsets in force; stored: those that G92.3 brings back, None: not known; length: of the tool, along Z;
+    offsets in force, none at the start; stored: those that G92.3 brings back, None: not known; length: of the tool, along Z;
     lengths: mm of tools that the machine file has.
     """
 
     work: int
     lengths: Mapping[int, float]
     table: dict[tuple[int, int], Place] = field(default_factory=dict)
-    local: list[Place] = field(default_factory=lambda: [unknown(f"g92.{name}") for name in AXIS_NAMES])
+    local: list[Place] = field(default_factory=lambda: [Place()] * AXES)
     stored: list[Place] | None = None
     length: Place = field(default_factory=lambda: unknown("tool.0.z"))
 
