@@ -454,7 +454,7 @@ class Controller:
         zeros = self.zeros
         assumed: tuple[str, ...] = ()
         kept: Left | None = tuple(
-            (name, zeros.bare_zero(axis).value, zeros.bare_zero(axis).form) for axis, name in enumerate(AXIS_NAMES)
+            (name, zeros.zero(axis).value, zeros.zero(axis).form) for axis, name in enumerate(AXIS_NAMES)
             if name.upper() in self.language.axes
         )  # fmt: skip
         if reset and zeros.work != 1:

@@ -35,8 +35,8 @@ class Zeros:
     """Zero of work coordinates = work offset in force + axis offset (G92) + tool length.
 
     work: number of the work offset in force; table: offsets that the program has set, by (number, column); local: axis
-    offsets in force, none at the start; stored: those that G92.3 brings back, None: not known; length: of the tool, along Z;
-    lengths: mm of tools that the machine file has.
+    offsets in force, none at the start; stored: those that G92.3 brings back, None: not known; length: of the tool,
+    along Z; lengths: mm of tools that the machine file has.
     """
 
     work: int
@@ -52,12 +52,8 @@ class Zeros:
 
     def zero(self, axis: int) -> Place:
         """The machine place of work coordinate 0."""
-        found = self.bare_zero(axis)
+        found = self.offset(self.work, axis).plus(self.local[axis])
         return found.plus(self.length) if axis == 2 else found
-
-    def bare_zero(self, axis: int) -> Place:
-        """The same without the tool."""
-        return self.offset(self.work, axis).plus(self.local[axis])
 
     def set_offset(self, number: int, axis: int, place: Place) -> None:
         """G10 L2."""
