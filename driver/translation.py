@@ -18,7 +18,7 @@ from gproof.driver.targets import TARGETS
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
-from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.machine import AXIS_NAMES, NO_MACHINE, Machine
 from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
 from gproof.ir.record import field, record
 from gproof.ir.rules import Function as F
@@ -274,6 +274,7 @@ DEVICES = frozenset((
 
 def _own_devices(program: Program, done: Translation) -> Program:
     """The program without its machine's macros for tool changes, spindle and coolant: each machine has its own."""
+    program = DIALECTS[program.dialect].frontend.plain_devices(program)
     codes_of = program.rules.codes
     kept = {
         code: name for code, name in program.overrides.items()
@@ -355,7 +356,12 @@ def terms_of(
     given = done.map
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
     spare = done.target.spare_offset if done.spare_used else 0
+    axes = frozenset(AXIS_NAMES)
+    for machine in (source, target):
+        if machine is not NO_MACHINE:
+            axes &= {axis.name for axis in machine.axes}
     return TranslationTerms(
+        axes=axes,
         scratch=frozenset(f"work.{spare}.{axis}" for axis in AXIS_NAMES if spare),
         source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,
         tolerance_deg=0.5 * 10.0**-style.decimals_deg * ROUNDING + 1e-9,

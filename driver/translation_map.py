@@ -28,8 +28,8 @@ def proposed(job: Job, target: Target) -> TranslationMap:
                     coolant[word] = other
         for expr in expressions(node):
             for part in parts_of_expression(expr):
-                if isinstance(part, Input) and part.kind == "input" and isinstance(part.number, Number):
-                    inputs.add(round(part.number.value))
+                if isinstance(part, Input) and part.kind in {"input", "output"} and isinstance(part.number, Number):
+                    (inputs if part.kind == "input" else outputs).add(round(part.number.value))
     return TranslationMap(
         outputs={n: n for n in sorted(outputs)}, inputs={n: n for n in sorted(inputs)},
         tools={n: n for n in sorted(tools)}, coolant=coolant,

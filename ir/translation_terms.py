@@ -43,6 +43,7 @@ class TranslationTerms:
     left_out: facts (``ROW_FACTS``, ``EndState``) that one of the controllers cannot have; where they differ that is
     printed.
     silent: texts of commands to devices that need no counterpart, because they move and switch nothing.
+    axes: that both machines have: what is left in the offsets of others moves nothing.
     scratch: offsets of the target that the translation itself uses (``work.9.x``): what they hold is not compared.
     machine_zero_shared: machine coordinates of both machines count from the same place; else moves to machine places
     are open.
@@ -68,6 +69,7 @@ class TranslationTerms:
     left_out: frozenset[str] = field(default_factory=frozenset)
     silent: frozenset[str] = field(default_factory=frozenset)
     machine_zero_shared: bool = True
+    axes: frozenset[str] = frozenset("xyzabc")
     scratch: frozenset[str] = field(default_factory=frozenset)
 
 

@@ -94,7 +94,8 @@ class Frontend:
     with what they are, in words.
     markers, alike: how a program is distinguished from those of other dialects.
     open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
-    load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation.
+    load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation;
+    plain_devices: leaves out what its machine's macros do at a tool change.
     alone: how one file is read to be printed again; definitions: name
     of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
     lines are read; folder_machine: name of its file, which is looked for next to a program then.
@@ -129,3 +130,4 @@ class Frontend:
     setup_table: str = ""
     setup_fields: Callable[[TomlTable], dict[str, Any]] = lambda root: {}
     raise_program: Callable[[Program, Machine], Job] | None = None
+    plain_devices: Callable[[Program], Program] = lambda program: program

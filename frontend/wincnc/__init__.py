@@ -63,6 +63,12 @@ def _raise_program(program: Program, machine: Machine) -> Job:
     return raise_program(program, machine)
 
 
+def _plain_devices(program: Program) -> Program:
+    from gproof.frontend.wincnc.plain_devices import plain_devices
+
+    return plain_devices(program)
+
+
 FRONTEND = Frontend(
     name="wincnc",
     title="WinCNC",
@@ -87,4 +93,5 @@ FRONTEND = Frontend(
     machine_files=(SETTINGS,),
     knows_machine=_knows_machine,
     raise_program=_raise_program,
+    plain_devices=_plain_devices,
 )

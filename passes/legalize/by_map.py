@@ -26,7 +26,7 @@ from gproof.ir.job import (
     WaitFor,
 )
 from gproof.ir.machine import Machine
-from gproof.ir.program import Expr, Number
+from gproof.ir.program import Binary, Constant, Expr, Input, Number, Unary
 from gproof.ir.record import field, record
 from gproof.ir.target import Target
 from gproof.ir.translation_map import TranslationMap
@@ -73,15 +73,33 @@ class _Mapper:
 
     def node(self, node: Node) -> Node:
         """One operation, and what is within it."""
-        if isinstance(node, Choice):
-            return replace(node, then=self.body(node.then), otherwise=self.body(node.otherwise))
-        if isinstance(node, OptionalPart | LoopWhile | CountLoop | RepeatGrid):
-            return replace(node, body=self.body(node.body))
         try:
+            if isinstance(node, Choice):
+                condition = self.inputs(node.condition)
+                return replace(
+                    node, condition=condition, then=self.body(node.then), otherwise=self.body(node.otherwise)
+                )
+            if isinstance(node, LoopWhile):
+                return replace(node, condition=self.inputs(node.condition), body=self.body(node.body))
+            if isinstance(node, OptionalPart | CountLoop | RepeatGrid):
+                return replace(node, body=self.body(node.body))
             return self._own(node)
         except _Refused as refused:
             construct, why = refused.args
             return NotRaised(construct=construct, why=why, span=node.span)
+
+    def inputs(self, expr: Expr) -> Expr:
+        """An expression with the target's inputs and outputs."""
+        if isinstance(expr, Input) and expr.kind in {"input", "output"}:
+            table = "inputs" if expr.kind == "input" else "outputs"
+            return replace(expr, number=self.number(expr.number, table, expr.kind))
+        if isinstance(expr, Constant):
+            return Number(expr.value, expr.span)
+        if isinstance(expr, Unary):
+            return replace(expr, operand=self.inputs(expr.operand))
+        if isinstance(expr, Binary):
+            return replace(expr, left=self.inputs(expr.left), right=self.inputs(expr.right))
+        return expr
 
     def _own(self, node: Node) -> Node:
         if isinstance(node, SwitchOutput):

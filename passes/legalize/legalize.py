@@ -43,6 +43,7 @@ from gproof.ir.target import FEATURES, RANK, Target
 from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
 from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.registry import PATTERNS
+from gproof.passes.legalize.structured import structured
 
 SAME_CLEARANCE = 1e-9
 """mm that two clearances differ by rounding."""
@@ -72,6 +73,8 @@ class Legal:
 
 def legalize(job: Job, target: Target, options: Options) -> Legal:
     """The whole job."""
+    if "jump" not in target.legal:
+        job = structured(job)
     return _Legalizer(job, target, options).run()
 
 

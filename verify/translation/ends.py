@@ -45,7 +45,7 @@ def _places(fact: str, sides: tuple[Side, Side], pair: tuple[Left, Left], places
         {name: (mm + sides[n].form(form)[0], sides[n].form(form)[1]) for name, mm, form in pair[n]} for n in (0, 1)
     )
     names = {*mine, *theirs} if fact != "zero" else mine.keys() & theirs.keys()
-    for name in sorted(names - terms.scratch):
+    for name in sorted(name for name in names - terms.scratch if name[-1] in terms.axes):
         a, b = mine.get(name), theirs.get(name)
         tolerance = terms.tolerance_mm if name[-1] in "xyz" else terms.tolerance_deg
         alike = a is not None and b is not None and a[1] == b[1] and not _is_blurred(a[1])

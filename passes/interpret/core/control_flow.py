@@ -10,6 +10,7 @@ run shows all of them; ``stop_at_error`` ends there instead, as the controller w
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -445,6 +446,8 @@ class ControlFlow:
                 self.run.modal.guards_off = tuple(sorted(guards))
                 self.run.state_changed()
                 self.run.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self.run.text_number(node.name))
+            elif isinstance(node, Device) and node.name == OWN_TOOL_CHANGE:
+                self._own_tool_change(node)
             elif isinstance(node, Device):
                 self.run.dialect.device(self.run, node)
             elif isinstance(node, Mistake):
@@ -471,6 +474,15 @@ class ControlFlow:
         except Refusal as refusal:
             finding = self.run.as_accepted(refusal.finding)
             self.run.refuse(finding, told=isinstance(node, Unsupported | Mistake) and node.told)
+
+    def _own_tool_change(self, node: Device) -> None:
+        """The machine's own tool change, in comparisons of two machines: the section ends at it."""
+        run = self.run
+        number = run.evaluator.value(node.arguments[0])
+        run.modal.tool = None if isinstance(number, Unknown) else round(number)
+        run.state_changed()
+        run.event(Op.TOOL_CHANGE, node.span, arg=(math.nan if isinstance(number, Unknown) else number, 0.0))
+        run.end_section(Wait.TOOL_CHANGE, "tool changed", None, node.span)
 
     def _message(self, node: Message) -> None:
         text = describe_parts(node.parts, self.run.evaluator)
@@ -528,6 +540,7 @@ MOST_RETRIES = 8
 """Calls of a subprogram within itself, when an outcome says so and nothing counts them: so many are followed."""
 _SILENT = frozenset((Label, Declare, Include, Mode))
 """Statements that do nothing when they run."""
+OWN_TOOL_CHANGE = "own_tool_change"
 _PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))
 
 
