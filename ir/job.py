@@ -130,8 +130,10 @@ CYCLES = ("drill", "dwell", "peck", "chip_break", "bore", "bore_dwell", "bore_st
 class DrillHole:
     """One hole of a drilling cycle, or several in a row. kind: of CYCLES; at: in the plane (relative: repeated
     ``repeats`` times); top: where feeding starts, bottom: of the hole, along the axis across the plane; back: where
-    the tool is after it: ``top`` or ``before`` (the height before this hole, if above top); peck: depth of a peck;
-    clearance: above the last peck; dwell: at the bottom."""
+    the tool is after it, and between the pecks of ``peck``: ``top`` or ``before`` (the height before this hole, if
+    above top); peck: depth of a peck; lift: how far up between pecks of ``chip_break``, None: as far as clearance;
+    clearance: above the last peck, but no more than a peck, where the rapid down ends; dwell: at the bottom. ``bore``
+    feeds out."""
 
     kind: str
     at: tuple[AxisPlace, ...]
@@ -142,6 +144,7 @@ class DrillHole:
     back: str = "before"
     peck: Quantity | None = None
     clearance: Quantity | None = None
+    lift: Quantity | None = None
     dwell: Quantity | None = None
     repeats: Expr | None = None
     feed: Feed | None = None

@@ -450,6 +450,7 @@ class EdingRaiser(Raiser):
                 bottom=AxisPlace(axis, self.length_of(kept[depth]), relative),
                 peck=None if peck is None else self.length_of(peck),
                 clearance=None if peck is None else self._clearance(span),
+                lift=self.length_of(peck) if peck is not None and kind == "chip_break" else None,
                 dwell=None if dwell is None else Quantity(dwell, "s"),
             )
         ]  # fmt: skip

@@ -79,7 +79,8 @@ def moves(node: Node, feature: str, context: Context) -> list[Node] | None:
         return None
     if before is None or (node.kind == "bore_stop" and context.spindle not in {"cw", "ccw"}):
         return None
-    maker = _Hole(node, context, top, bottom)
+    clear = top if node.back == "top" else max(before, top)
+    maker = _Hole(node, context, top, bottom, clear)
     if before < top:
         maker.rapid(top)
         before = top
@@ -89,21 +90,21 @@ def moves(node: Node, feature: str, context: Context) -> list[Node] | None:
         maker.rapid(top)
     if not maker.down():
         return None
-    clear = top if node.back == "top" else before
-    maker.up(clear)
+    maker.up()
     if node.feed is not None:
         maker.found.insert(0, SetFeed(feed=node.feed, span=node.span))
     return maker.found
 
 
 class _Hole:
-    """The moves of one hole. top, bottom: mm."""
+    """The moves of one hole. top, bottom: mm; clear: where the tool is after it, and between pecks."""
 
-    def __init__(self, node: DrillHole, context: Context, top: float, bottom: float) -> None:
+    def __init__(self, node: DrillHole, context: Context, top: float, bottom: float, clear: float) -> None:
         self.node = node
         self.context = context
         self.top = top
         self.bottom = bottom
+        self.clear = clear
         self.found: list[Node] = []
         self.span: Span = node.span
 
@@ -132,6 +133,10 @@ class _Hole:
         clearance = None if self.node.clearance is None else self.context.mm(self.node.clearance)
         if peck is None or peck <= 0.0 or clearance is None:
             return False
+        lift = None if self.node.lift is None else self.context.mm(self.node.lift)
+        if self.node.lift is not None and lift is None:
+            return False
+        clearance = min(clearance, peck)
         depth, count = self.top, 0
         while True:
             depth = max(depth - peck, self.bottom)
@@ -139,27 +144,26 @@ class _Hole:
             count += 1
             if depth <= self.bottom or count > MOST_PECKS:
                 break
+            near = min(depth + clearance, self.top)
             if self.node.kind == "peck":
-                self.rapid(self.top)
-                self.rapid(min(depth + clearance, self.top))
-            else:
-                self.rapid(min(depth + clearance, self.top))
+                self.rapid(self.clear)
+            elif lift is not None and min(depth + lift, self.top) != near:
+                self.rapid(min(depth + lift, self.top))
+            self.rapid(near)
         self.context.spend(3 * count)
         return count <= MOST_PECKS
 
-    def up(self, clear: float) -> None:
+    def up(self) -> None:
         """Out of the hole."""
         node = self.node
         if node.kind in {"bore", "bore_dwell"}:
-            self.feed(self.top)
-            if clear != self.top:
-                self.rapid(clear)
+            self.feed(self.clear)
         elif node.kind == "bore_stop":
             self.found.append(TurnSpindle(direction="off", span=self.span))
-            self.rapid(clear)
+            self.rapid(self.clear)
             self.found.append(TurnSpindle(direction=self.context.spindle, span=self.span))
         else:
-            self.rapid(clear)
+            self.rapid(self.clear)
 
 
 _ALL = (
