@@ -96,8 +96,27 @@ def _read_grbl(files: dict[str, bytes], name: str, machine: Machine, work: int) 
     return read_back(files, name, GRBL, machine, work)
 
 
+def _wincnc() -> Target:
+    from gproof.ir.dialects.wincnc.target import TARGET
+
+    return TARGET
+
+
+def _wincnc_of(target: Target, machine: Machine) -> Target:
+    from gproof.ir.dialects.wincnc.target import adapted
+
+    return adapted(target, machine)
+
+
+def _write_wincnc(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
+    from gproof.backend.emit.wincnc.from_job import write
+
+    return write(job, target, machine, style)
+
+
 TARGETS: dict[str, TargetEntry] = {
     "eding": TargetEntry(_eding, _write_eding),
+    "wincnc": TargetEntry(_wincnc, _write_wincnc, ("[", "]"), _wincnc_of),
     "mcuwin": TargetEntry(_mcuwin, _write_mcuwin, ("' ", ""), _mcuwin_of),
     "linuxcnc": TargetEntry(_linuxcnc, _write_linuxcnc, read=_read_linuxcnc),
     "grbl": TargetEntry(_grbl, _write_grbl, read=_read_grbl),

@@ -70,7 +70,12 @@ def expressions(node: Node) -> Iterator[Expr]:
     if isinstance(node, SetVariable):
         yield node.target
         yield node.value
-    elif isinstance(node, Choice | LoopWhile):
+    elif isinstance(node, Choice):
+        asked = node.condition
+        # Whether an input is on or off is one question.
+        is_off = isinstance(asked, Unary) and asked.operator == "not" and isinstance(asked.operand, Input)
+        yield asked.operand if is_off and isinstance(asked, Unary) else asked
+    elif isinstance(node, LoopWhile):
         yield node.condition
     elif isinstance(node, CountLoop):
         yield from (node.variable, node.first, node.last)

@@ -15,6 +15,7 @@ FEATURES: dict[str, str] = {
     "routine_arguments": "arguments of a routine",
     "optional_part": "block delete",
     "question": "question to the operator",
+    "choice_else": "choice with two ways",
     "choice": "choice",
     "count_loop": "counted loop",
     "repeat": "loop with the condition at its end",
@@ -29,6 +30,7 @@ FEATURES: dict[str, str] = {
     "cycle_repeats": "drilling cycle with repeats",
     "cycle_plane": "drilling cycle in XZ or YZ",
     "cycle_relative": "drilling cycle with relative places",
+    "cycle_return": "drilling cycle that ends at the height before it",
     "cycle_clearance": "drilling cycle with a clearance of its own",
     "cycle_drill": "drilling cycle",
     "cycle_dwell": "drilling cycle with dwell",
@@ -137,7 +139,8 @@ class Target:
     that programs have; path_modes: whether programs say how corners are taken; straight_rapids: rapids of several axes
     are straight lines, None: the manual does not say; offsets: numbers of work offsets; tools: highest number;
     peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine;
-    spare_offset: the work offset that zeros in machine places use, 0 for none."""
+    spare_offset: the work offset that zeros in machine places use, 0 for none; cycle_returns: cycles can
+    end at the height before them; two_ways: a choice can have an other way, too."""
 
     name: str
     title: str
@@ -151,6 +154,8 @@ class Target:
     tools: int = 99
     peck_clearance: float | None = None
     spare_offset: int = 0
+    cycle_returns: bool = True
+    two_ways: bool = True
 
     def verify(self) -> None:
         """Features are those that there are; ValueError otherwise."""

@@ -32,6 +32,7 @@ from gproof.ir.job import (
     SetVariable,
     TurnSpindle,
     UseLength,
+    quantities,
     walk,
 )
 from gproof.ir.machine import AXIS_NAMES
@@ -81,7 +82,9 @@ class TooLong(Exception):
 class Context:
     """place: mm or degrees by axis, in the frame in force, of axes whose place is known; values: variables that are;
     spindle: the direction that is known to be in force, else ""; zero: the work zero, and kept ones; local_off: no
-    local offset is in force; spare_used: the spare work offset of the target is; axes: that the job moves."""
+    local offset is in force; spare_used: the spare work offset of the target is; axes: that the job
+    moves; local: mm by axis of the local offset in force, None: not known, suspended: the one that was suspended; unit: of
+    lengths, as the source has it."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -95,6 +98,9 @@ class Context:
         self.kept: dict[float, Zero] = {}
         self.spare_used = False
         self.axes = axes_of(job)
+        self.local: dict[str, float] | None = {}
+        self.suspended: dict[str, float] | None = None
+        self.unit = next((a.unit for node in self.nodes() for a in quantities(node) if a.unit in MM), "mm")
         self.lowered: list[Lowered] = []
         self.assumed: dict[str, None] = {}
         self.spent = 0
@@ -135,8 +141,6 @@ class Context:
         elif isinstance(node, SetVariable):
             self._set(node)
         elif isinstance(node, SetFrame):
-            here = {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None and not p.relative}
-            self.place = here if node.action == "local_here" else {}
             self._after_frame(node)
         elif isinstance(node, TurnSpindle):
             self.spindle = self.spindle if node.direction == "speed" else node.direction
@@ -160,6 +164,36 @@ class Context:
             self.local_off = True
         elif node.action.startswith("zero") or node.axes:
             self.zero = Zero()
+        here = {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None and not p.relative}
+        if node.action == "local_here":
+            self.local = self.local_after(node)
+            self.place = here
+        elif node.action == "zero_shift":
+            named = {p.axis for p in node.places}
+            self.place = {
+                axis: at - here.get(axis, 0.0) for axis, at in self.place.items() if axis in here or axis not in named
+            }
+        else:
+            self.place = {}
+            if node.action.startswith(("local", "zero")):
+                self.local = None
+
+    def local_after(self, node: SetFrame) -> dict[str, float] | None:
+        """The local offset after the present place has got these names; None where it is not known."""
+        if self.local is None:
+            return None
+        found = dict(self.local)
+        for place in node.places:
+            at, value = self.place.get(place.axis), self.mm(place.at)
+            if at is None or value is None or place.relative:
+                return None
+            found[place.axis] = found.get(place.axis, 0.0) + at - value
+        return found
+
+    def nodes(self) -> Iterable[Node]:
+        """Every operation of the job as it was raised."""
+        for body in (self.job.body, *(routine.body for routine in self.job.routines.values())):
+            yield from walk(body)
 
     def _go(self, to: Iterable[AxisPlace], *, known: bool) -> None:
         for place in to:
@@ -208,6 +242,8 @@ class Context:
         for node in self._all(body, set()):
             if isinstance(node, SetFrame):
                 self.zero, self.local_off, self.kept = Zero(), False, {}
+                if node.action.startswith(("local", "zero")):
+                    self.local = None
             if isinstance(node, SetVariable):
                 number = node.target.number
                 if not isinstance(number, Number):

@@ -152,6 +152,10 @@ class _Legalizer:
             found.add("routine_arguments")
         if isinstance(node, RunRoutine) and "frame_zero_at" not in self.target.legal and self._moves_zero(node):
             found.add("routine")
+        if isinstance(node, DrillHole) and node.back == "before" and not self.target.cycle_returns:
+            found.add("cycle_return")
+        if isinstance(node, Choice) and node.otherwise and not self.target.two_ways:
+            found.add("choice_else")
         if isinstance(node, DrillHole) and node.clearance is not None:
             own, given = self.target.peck_clearance, self.context.mm(node.clearance)
             if own is not None and given is not None and abs(given - own) < SAME_CLEARANCE:
@@ -231,11 +235,12 @@ class _Legalizer:
             return node
         before = self.context
         if isinstance(node, Choice):
-            values, place = dict(before.values), dict(before.place)
+            values, place, local = dict(before.values), dict(before.place), before.local
             then = self.body(node.then)
-            after = dict(before.values), dict(before.place)
-            before.values, before.place = values, place
+            after, left = (dict(before.values), dict(before.place)), before.local
+            before.values, before.place, before.local = values, place, local
             otherwise = self.body(node.otherwise)
+            before.local = left if left == before.local else None
             before.values = _same(after[0], before.values)
             before.place = _same(after[1], before.place)
             return replace(node, then=then, otherwise=otherwise)

@@ -13,6 +13,7 @@ from gproof.passes.legalize.patterns import (
     frames,
     grids,
     inputs,
+    local_offsets,
     loops,
     nothing_on,
     paths,
@@ -33,6 +34,7 @@ PATTERNS: tuple[Pattern, ...] = (
     *places.PATTERNS,
     *paths.PATTERNS,
     *compensation.PATTERNS,
+    *local_offsets.PATTERNS,
     *devices.PATTERNS,
     *nothing_on.PATTERNS,
 )

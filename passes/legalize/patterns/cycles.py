@@ -67,6 +67,22 @@ def _place(place: AxisPlace, value: float) -> AxisPlace:
     return AxisPlace(place.axis, Quantity(Number(value / scale, place.at.value.span), place.at.unit))
 
 
+def back_to_the_top(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A hole that ends at its top, and from there to the height before it, where that is known."""
+    if not isinstance(node, DrillHole) or node.top.relative or node.repeats is not None:
+        return None
+    top, before = context.mm(node.top.at), context.place.get(node.top.axis)
+    if top is None or before is None:
+        return None
+    hole = replace(node, back="top")
+    if before > top:
+        return [hole, MoveTo(to=(_place(node.top, before),), kind="rapid", span=node.span)]
+    if before < top:
+        # The cycle lifts to its top before it goes to the hole.
+        return [MoveTo(to=(_place(node.top, top),), kind="rapid", span=node.span), hole]
+    return [hole]
+
+
 def moves(node: Node, feature: str, context: Context) -> list[Node] | None:
     """The moves of a cycle whose heights are known."""
     if not isinstance(node, DrillHole) or node.repeats is not None or node.kind.startswith("tap"):
@@ -167,12 +183,14 @@ class _Hole:
 
 
 _ALL = (
-    "cycle_plane", "cycle_relative", "cycle_clearance", "cycle_drill", "cycle_dwell", "cycle_peck", "cycle_chip_break",
+    "cycle_return", "cycle_plane", "cycle_relative", "cycle_clearance",
+    "cycle_drill", "cycle_dwell", "cycle_peck", "cycle_chip_break",
     "cycle_bore", "cycle_bore_dwell", "cycle_bore_stop",
 )  # fmt: skip
 
 PATTERNS = (
     Pattern(name="repeated hole -> single holes", removes=("cycle_repeats",), apply=single_holes),
     Pattern(name="relative hole -> absolute hole", removes=("cycle_relative",), apply=absolute_hole),
+    Pattern(name="hole that returns -> hole, and back", removes=("cycle_return",), apply=back_to_the_top),
     Pattern(name="drilling cycle -> moves", removes=_ALL, apply=moves),
 )

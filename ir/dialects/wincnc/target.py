@@ -1,0 +1,60 @@
+"""WinCNC as a target of translation; the manual has no section numbers: headings and codes are named instead."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
+from gproof.ir.machine import Machine
+from gproof.ir.target import Style, Target
+
+TARGET = Target(
+    name="wincnc",
+    title="WinCNC",
+    legal={
+        "choice": "M Codes: M17.1, M18.1", "question": "G Codes: G5", "input_value": "M Codes: M17.1, M18.1",
+        "routine": "M Codes: M98", "grid": "L Codes: L10",
+        "cycle_drill": "G Codes: G81", "cycle_dwell": "G Codes: G82", "cycle_peck": "G Codes: G83",
+        "cycle_chip_break": "G Codes: G73",
+        "arc": "G Codes: G2, G3", "arc_full": "G Codes: G2, G3", "arc_helix": "G Codes: G2, G3",
+        "unit_mm": "G Codes: G22", "unit_inch": "G Codes: G20", "unit_cm": "G Codes: G21", "relative": "G Codes: G91",
+        "inverse_time": "G Codes: G93", "machine_move": "G Codes: G53", "home": "G Codes: G28",
+        "frame_rotate": "G Codes: G52, G50", "frame_local_here": "G Codes: G92", "frame_zero_at": "G Codes: G92.1",
+        "frame_zero_shift": "G Codes: G92.2", "frame_zero_keep": "G Codes: G92.3; L Codes: L92",
+        "frame_zero_recall": "G Codes: G92.3; L Codes: L92", "length": "G Codes: G43, G49",
+        "tool_change": "Macro File Configuration", "spindle": "Macro File Configuration",
+        "spindle_speed": "Parameters in [Brackets]: S", "mist": "Macro File Configuration",
+        "flood": "Macro File Configuration", "output": "M Codes: M11, M12", "output_moving": "M Codes: M13, M14",
+        "wait": "M Codes: M17, M18", "dwell": "G Codes: G4", "stop": "G Codes: G4",
+        "feed_alone": "Parameters in [Brackets]: F", "straight": "G Codes: G1", "rapid": "G Codes: G0",
+        "end": "M Codes: M99", "end_reset": "M Codes: M99", "comment": "Parameters in [Brackets]: Comment",
+    },
+    style=Style(extension=".tap", line_length=256),
+    straight_rapids=None,
+    offsets=1,
+    peck_clearance=1.27,
+    cycle_returns=False,
+    two_ways=False,
+)  # fmt: skip
+"""The clearance of chip breaking is always .05 inch, that of pecking is what g81set= R says, else the same."""
+
+
+USUAL_CLEARANCE = 1.27
+
+
+def adapted(target: Target, machine: Machine) -> Target:
+    """The table for a machine: its settings change what cycles and arcs do (g81set=, g81dwell=, arcs=)."""
+    settings = wincnc_settings(machine)
+    lost: set[str] = set()
+    if settings.drill.dwell or settings.drill.other_dwell:
+        lost |= {"cycle_drill", "cycle_peck", "cycle_chip_break"}
+    if settings.drill.lift:
+        lost.add("cycle_peck")
+    if not settings.helical_arcs:
+        lost.add("arc_helix")
+    if machine.controller.absolute_arc_centers:
+        lost |= {"arc", "arc_full", "arc_helix"}
+    approach = settings.drill.approach
+    same = approach is None or approach == USUAL_CLEARANCE
+    legal = {name: source for name, source in target.legal.items() if name not in lost}
+    return replace(target, legal=legal, peck_clearance=USUAL_CLEARANCE if same else None)

@@ -1,0 +1,72 @@
+"""Where work coordinates count from -> what the target has for it."""
+
+from __future__ import annotations
+
+from gproof.ir.job import MM, AxisPlace, Node, Quantity, SetFrame
+from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.program import Number
+from gproof.passes.legalize.context import Context
+from gproof.passes.legalize.pattern import Pattern
+
+
+def only_offset(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """The work offset of the start, in a job that has no other: it is in force all the time."""
+    if not isinstance(node, SetFrame) or node.action != "select" or not _is_first(node):
+        return None
+    for one in context.nodes():
+        if isinstance(one, SetFrame):
+            other = one.action == "select" and not _is_first(one)
+            if other or one.action in {"store", "store_here", "zero_at"}:
+                return None
+    context.assume("the job starts in the first work offset")
+    return []
+
+
+def _is_first(node: SetFrame) -> bool:
+    return isinstance(node.number, Number) and node.number.value == 1.0
+
+
+def local_as_shift(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A local offset as a shift of the work zero, where it is known by how much."""
+    if not isinstance(node, SetFrame) or "frame_zero_shift" not in context.target.legal:
+        return None
+    if context.local is None:
+        return None
+    wanted: dict[str, float] | None
+    if node.action == "local_here":
+        wanted = context.local_after(node)
+        if wanted is None:
+            return None
+    elif node.action in {"local_off", "local_suspend"}:
+        wanted = {}
+    elif node.action == "local_restore":
+        if context.suspended is None:
+            return None
+        wanted = dict(context.suspended)
+    else:
+        return None
+    return _shift(node, wanted, context)
+
+
+def _shift(node: SetFrame, wanted: dict[str, float], context: Context) -> list[Node]:
+    assert context.local is not None
+    places = []
+    for axis in AXIS_NAMES:
+        by = wanted.get(axis, 0.0) - context.local.get(axis, 0.0)
+        if by != 0.0:
+            unit = context.unit if axis in "xyz" else "deg"
+            places.append(AxisPlace(axis, Quantity(Number(by / MM.get(unit, 1.0), node.span), unit)))
+    context.suspended = dict(context.local) if node.action == "local_suspend" else None
+    context.local = wanted
+    context.assume("no local offset is in force at the start")
+    return [SetFrame(action="zero_shift", places=tuple(places), span=node.span)] if places else []
+
+
+PATTERNS = (
+    Pattern(name="work offset -> the only one", removes=("frame_select",), apply=only_offset),
+    Pattern(
+        name="local offset -> shift of the zero",
+        removes=("frame_local_here", "frame_local_off", "frame_local_suspend", "frame_local_restore"),
+        apply=local_as_shift,
+    ),
+)  # fmt: skip
