@@ -83,8 +83,8 @@ class Context:
     """place: mm or degrees by axis, in the frame in force, of axes whose place is known; values: variables that are;
     spindle: the direction that is known to be in force, else ""; zero: the work zero, and kept ones; local_off: no
     local offset is in force; spare_used: the spare work offset of the target is; axes: that the job
-    moves; local: mm by axis of the local offset in force, None: not known, suspended: the one that was suspended; unit: of
-    lengths, as the source has it."""
+    moves; local: mm by axis of the local offset in force, None: not known, suspended: the one that was suspended;
+    unit: of lengths, as the source has it."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
