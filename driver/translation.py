@@ -370,13 +370,24 @@ def terms_of(
         source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
         outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
         tools=tuple(sorted(given.tools.items())),
-        source_symbols=tuple(
+        source_symbols=_only_local(done.session.dialect, done.target.name) + tuple(
             SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
             for old, new in given.offsets.items() for axis in AXIS_NAMES
         ),
-        target_symbols=_lengths_in_zeros(done),
+        target_symbols=_only_local(done.target.name, done.session.dialect) + _lengths_in_zeros(done),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
     )  # fmt: skip
+
+
+def _only_local(name: str, other: str) -> tuple[SymbolMeaning, ...]:
+    """The zero of a controller whose only one is a local offset, set up where another one has its first work offset."""
+    if not _has_only_local(name) or _has_only_local(other):
+        return ()
+    return tuple(SymbolMeaning(symbol=f"g92.{axis}", form=((f"work.1.{axis}", 1),)) for axis in AXIS_NAMES)
+
+
+def _has_only_local(name: str) -> bool:
+    return name in DIALECTS and "work" not in DIALECTS[name].frontend.open_offsets
 
 
 def _lengths_in_zeros(done: Translation) -> tuple[SymbolMeaning, ...]:
