@@ -27,7 +27,8 @@ def samples(job: Job, on: Machine) -> np.ndarray:
             turn = 2 * np.pi if row["op"] == Op.ARC else 1.0
             longest = max(length, *(abs(b - a) for a, b in zip(place, to, strict=True)))
             count = int(np.ceil(longest * turn * np.abs(spu).max() / FINE)) + 1
-            parts.append(np.array([at(u) for u in np.linspace(0, 1, count)[1:]])[:, axes] * spu)
+            shares = np.linspace(0, 1, count)[1:].tolist()
+            parts.append(np.array([[at(u, axis) for axis in axes] for u in shares]) * spu)
             place = to
     return np.concatenate(parts)
 

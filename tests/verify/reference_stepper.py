@@ -165,16 +165,20 @@ def encode(steps: Steps) -> Columns:
     return Columns(RUN, {n: table[:, k].astype(RUN.by_name[n].dtype) for k, n in enumerate(names)})
 
 
-def path_of(
-    row: dict[str, object], start: tuple[float, ...]
-) -> tuple[Callable[[float], list[float]], list[float], float]:
-    """Position at share u of the row's length, the shares where it may turn round, and its length."""
+Place = Callable[[float, int], float]
+
+
+def path_of(row: dict[str, object], start: tuple[float, ...]) -> tuple[Place, list[float], float]:
+    """An axis' position at share u of the row's length, the shares where it may turn round, and its length."""
     to = row["to"]
     assert isinstance(to, tuple)
     delta = [b - a for a, b in zip(start, to, strict=True)]
+
+    def straight(u: float, axis: int) -> float:
+        return start[axis] + delta[axis] * u
+
     if row["op"] != Op.ARC:
-        length = math.hypot(*delta[:3]) or math.hypot(*delta[3:])
-        return lambda u: [a + d * u for a, d in zip(start, delta, strict=True)], [0.0, 1.0], length
+        return straight, [0.0, 1.0], math.hypot(*delta[:3]) or math.hypot(*delta[3:])
     first, second, third = PAIRS[int(row["plane"])]  # type: ignore[call-overload]
     center, turns = row["center"], int(row["turns"])  # type: ignore[call-overload]
     assert isinstance(center, tuple)
@@ -190,12 +194,13 @@ def path_of(
         sweep = sweep if sweep < 0 else sweep - 2 * math.pi
         sweep += 2 * math.pi * (turns + 1)
 
-    def at(u: float) -> list[float]:
-        p = [a + d * u for a, d in zip(start, delta, strict=True)]
+    def at(u: float, axis: int) -> float:
         if u < 1.0:
-            r, way = r0 + (r1 - r0) * u, angle + sweep * u
-            p[first], p[second] = center[first] + r * math.cos(way), center[second] + r * math.sin(way)
-        return p
+            if axis == first:
+                return center[first] + (r0 + (r1 - r0) * u) * math.cos(angle + sweep * u)
+            if axis == second:
+                return center[second] + (r0 + (r1 - r0) * u) * math.sin(angle + sweep * u)
+        return start[axis] + delta[axis] * u
 
     quarters = sorted((angle, angle + sweep))
     shares = [0.0, 1.0]
@@ -227,14 +232,12 @@ def limits_of(row: dict[str, object], start: tuple[float, ...], length: float, o
     return speed, acceleration
 
 
-def crossings(
-    at: Callable[[float], list[float]], shares: list[float], axis: int, spu: Fraction, straight: bool
-) -> list[tuple[float, int]]:
+def crossings(at: Place, shares: list[float], axis: int, spu: Fraction, straight: bool) -> list[tuple[float, int]]:
     """(share, direction) of each half step that a motor passes."""
     scale = float(spu)
     found = []
     for low, high in pairwise(shares):
-        a, b = at(low)[axis] * scale, at(high)[axis] * scale
+        a, b = at(low, axis) * scale, at(high, axis) * scale
         direction = 1 if b > a else -1
         edge = math.floor(a + 0.5) + 0.5 if direction > 0 else math.ceil(a - 0.5) - 0.5
         while edge < b if direction > 0 else edge > b:
@@ -245,7 +248,7 @@ def crossings(
             lo, hi = low, high
             for _ in range(45):
                 middle = 0.5 * (lo + hi)
-                if (at(middle)[axis] * scale - edge) * direction < 0:
+                if (at(middle, axis) * scale - edge) * direction < 0:
                     lo = middle
                 else:
                     hi = middle
