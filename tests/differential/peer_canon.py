@@ -89,8 +89,8 @@ def load_tool_table(path: str) -> None:
 
 
 def run(job: dict[str, Any]) -> dict[str, Any]:
-    """The calls of one program. Imports the interpreter here, so that a child starts with a fresh one."""
-    import gcode  # type: ignore[import-not-found]
+    """The calls of one program."""
+    import gcode
 
     load_tool_table(job["tool_table"])
     listener = Listener(job)
@@ -104,6 +104,9 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
 
 
 def main() -> int:
+    """Loads the interpreter once; only children use it, so that each starts with a fresh one."""
+    import gcode  # type: ignore[import-not-found]  # noqa: F401
+
     for job in json.load(sys.stdin):
         sys.stdout.flush()
         child = os.fork()
