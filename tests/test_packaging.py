@@ -112,12 +112,13 @@ def test_wheel_holds_every_file_of_the_packages(wheel: Path) -> None:
 
 
 def test_wheel_works_in_an_empty_venv(wheel: Path, tmp_path: Path) -> None:
-    venv.create(tmp_path / "venv", with_pip=True)
+    venv.create(tmp_path / "venv", with_pip=False)
     commands = tmp_path / "venv" / "bin"
     # The lock's versions without its hashes: pip takes no hash for a wheel that was just built.
     locked = re.findall(r"^[\w.-]+==[^\\\n]+", (ROOT / "requirements.lock").read_text(), flags=re.MULTILINE)
     (tmp_path / "constraints.txt").write_text("\n".join(locked))
-    install = (commands / "python", "-m", "pip", "install", "--disable-pip-version-check", "--no-compile")
+    pip = (sys.executable, "-m", "pip", "--python", commands / "python", "--disable-pip-version-check")
+    install = (*pip, "install", "--no-compile")
     run(*install, "-c", tmp_path / "constraints.txt", wheel, cwd=tmp_path)
 
     assert VERSION in run(commands / "gproof", "--version", cwd=tmp_path)
