@@ -23,11 +23,12 @@ class NotComparable(Exception):
 
 
 def site_of(source: Path, site: Path) -> Path:
-    """The packages of a source tree, as installing would lay them out, below ``site``."""
+    """The packages of a source tree, as installing would lay them out, in ``site``; bytecode too, where there is some."""
+    drafts = shutil.ignore_patterns("*.pyc.*")  # of a process that writes bytecode now
     project = tomllib.loads((source / "pyproject.toml").read_text(encoding="utf-8"))
     for package, folder in project["tool"]["setuptools"]["package-dir"].items():
         target = site / Path(*package.split("."))
-        shutil.copytree(source / folder, target, ignore=shutil.ignore_patterns("__pycache__"), dirs_exist_ok=True)
+        shutil.copytree(source / folder, target, ignore=drafts, dirs_exist_ok=True)
     about = project["project"]
     facts = site / f"{about['name']}-{about['version']}.dist-info"
     facts.mkdir(parents=True)
