@@ -23,7 +23,7 @@ class NotComparable(Exception):
 
 
 def site_of(source: Path, site: Path) -> Path:
-    """The packages of a source tree, as installing would lay them out, in ``site``; bytecode too, where there is some."""
+    """The packages of a source tree, as installing would lay them out, with bytecode where there is some."""
     drafts = shutil.ignore_patterns("*.pyc.*")  # of a process that writes bytecode now
     project = tomllib.loads((source / "pyproject.toml").read_text(encoding="utf-8"))
     for package, folder in project["tool"]["setuptools"]["package-dir"].items():

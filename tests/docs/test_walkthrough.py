@@ -1,4 +1,7 @@
-"""What the pages show is what the command prints: every ```console block is run, in order, in a copy of the corpus."""
+"""What the pages show is what the command prints: every ```console block is run, in order, in a copy of the corpus.
+
+Those of the README and of a page for CI are all run by a shell.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ def test_page_shows_what_is_printed(page: Path, tmp_path: Path, refresh_goldens:
     shutil.copytree(ROOT / "corpus", tmp_path / "corpus")
     text = page.read_text(encoding="utf-8")
     lines = text.split("\n")
-    shell = Shell(tmp_path)
+    shell = Shell(tmp_path, here=page.name not in ("README.md", "ci.md"))
     shown = [(step, shell.run(step.command)) for step in steps(text)]
     assert shown
     wrong = [(step, actual) for step, actual in shown if not matches(step.expected, actual)]
@@ -49,6 +52,22 @@ def test_shell_remembers_folder_and_exit_code(tmp_path: Path) -> None:
     printed = [shell.run(c) for c in ("cd there", "basename $PWD", "false", "echo $?", "echo a; echo b >&2")]
     assert printed == [[], ["there"], [], ["1"], ["a", "b"]]
     assert "gproof" in shell.run("gproof --version")[0]
+
+
+def test_a_call_prints_what_the_command_prints(tmp_path: Path) -> None:
+    (tmp_path / "job.cnc").write_text("G0 X1\nG1 X9000\nM30\n")
+    printed = []
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        shell = Shell(tmp_path / name, here=name == "a")
+        commands = (
+            "gproof check ../job.cnc --setup zero",
+            "gproof fmt --diff ../job.cnc",
+            "gproof dump",
+            "gproof check a",
+        )
+        printed.append([(shell.run(command), shell.exit_code) for command in commands])
+    assert printed[0] == printed[1]
 
 
 @pytest.mark.parametrize(

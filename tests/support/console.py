@@ -5,17 +5,22 @@ A block of another kind after a line that ends in "Save it as `name`:" is a file
 
 from __future__ import annotations
 
+import contextlib
 import difflib
+import io
 import os
 import re
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from unittest import mock
 
+from gproof.cli.main import main
 from gproof.ir.kernel_copies import cache_root
 
 ELLIPSIS = "..."
+_PLAIN = re.compile(r"gproof(?: [\w./=,:@+-]+)+")
 _SAVED = re.compile(r"[Ss]ave (?:it|this) as `([\w.-]+)`:$")
 
 
@@ -97,10 +102,13 @@ def _alike(old: list[str], new: list[str]) -> tuple[int, float]:
 
 
 class Shell:
-    """Runs commands one after another in a folder; `gproof` is the one under test; `cd` and `$?` last."""
+    """Runs commands one after another in a folder; `gproof` is the one under test; `cd` and `$?` last.
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.exit_code = folder, 0
+    here: what needs no shell (`gproof` with plain words) is a call in this process, for less than a process costs.
+    """
+
+    def __init__(self, folder: Path, *, here: bool = False) -> None:
+        self.folder, self.exit_code, self.here = folder, 0, here
         commands = self.commands = folder / ".commands"
         commands.mkdir()
         gproof = commands / "gproof"
@@ -117,6 +125,8 @@ class Shell:
 
     def run(self, command: str) -> list[str]:
         """The lines that a command prints, on both streams."""
+        if self.here and _PLAIN.fullmatch(command):
+            return self._call(command.split()[1:])
         done = subprocess.run(
             ["bash", "-c", f"trap 'pwd >{self.commands}/folder' EXIT; (exit {self.exit_code}); {command}"],
             cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -125,3 +135,15 @@ class Shell:
         self.exit_code = done.returncode
         self.folder = Path((self.commands / "folder").read_text(encoding="utf-8").strip())
         return done.stdout.splitlines()
+
+    def _call(self, words: list[str]) -> list[str]:
+        printed = io.BytesIO()
+        streams = [io.TextIOWrapper(printed, encoding="utf-8", write_through=True) for _ in range(2)]
+        with (
+            contextlib.chdir(self.folder),
+            mock.patch.dict(os.environ, self.environment, clear=True),
+            contextlib.redirect_stdout(streams[0]),
+            contextlib.redirect_stderr(streams[1]),
+        ):
+            self.exit_code = main(words)
+        return printed.getvalue().decode("utf-8").splitlines()
