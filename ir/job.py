@@ -205,12 +205,14 @@ class SwitchCoolant:
 
 @record(frozen=True, slots=True, kw_only=True)
 class ChangeTool:
-    """select: the tool is prepared; change: the tool that is selected, or ``number``, comes into the spindle."""
+    """select: the tool is prepared; change: the tool that is selected, or ``number``, comes into the spindle; rests:
+    the spindle stops for the change, and stays so."""
 
     span: Span
     number: Expr | None = None
     select: bool = False
     change: bool = True
+    rests: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -330,10 +332,11 @@ class SwitchGuard:
 
 @record(frozen=True, slots=True, kw_only=True)
 class EndJob:
-    """The job is over. reset: it goes back to its beginning too."""
+    """The job is over. reset: it goes back to its beginning too; rests: spindle and coolant are switched off."""
 
     span: Span
     reset: bool = False
+    rests: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

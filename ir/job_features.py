@@ -205,6 +205,7 @@ def _own(node: Node) -> Iterator[str]:
             yield "tool_select"
         if node.change:
             yield "tool_change"
+            yield "tool_change_rests" if node.rests else "tool_change_running"
     elif isinstance(node, TurnSpindle):
         yield "spindle_speed" if node.direction == "speed" else "spindle"
         if node.speed is not None:
@@ -249,6 +250,8 @@ def _plain(node: Node) -> Iterator[str]:
         yield "optional_stop" if node.optional else "stop"
     elif isinstance(node, EndJob):
         yield "end_reset" if node.reset else "end"
+        if node.rests:
+            yield "end_rests"
 
 
 def row_features(moves: Moves) -> dict[str, Array]:

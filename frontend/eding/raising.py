@@ -189,7 +189,10 @@ class EdingRaiser(Raiser):
         if line.find(F.SURFACE_SPEED) is not None:
             raise Unraisable("G96", "constant surface speed is on no other controller")
         if tool is not None or change is not None:
-            found.append(ChangeTool(span=span, number=tool, select=tool is not None, change=change is not None))
+            changes = change is not None
+            found.append(
+                ChangeTool(span=span, number=tool, select=tool is not None, change=changes, rests=changes)
+            )  # 3.5.3
         amount = None if speed is None else Quantity(speed, "rpm")
         if turn is not None:
             found.append(TurnSpindle(direction=SPINDLE[turn.function], speed=amount, span=span))
@@ -469,7 +472,8 @@ class EdingRaiser(Raiser):
         if rule.function in (F.STOP, F.OPTIONAL_STOP, F.STOP_KEEP):
             return [PauseJob(optional=rule.function is F.OPTIONAL_STOP, span=span)]
         self.modes = None
-        return [EndJob(reset=rule.function is F.END_RESET, span=span)]
+        reset = rule.function is F.END_RESET
+        return [EndJob(reset=reset, rests=reset, span=span)]
 
     # ---- statements
 

@@ -30,6 +30,7 @@ from gproof.ir.job import (
     RunRoutine,
     SetFrame,
     SetVariable,
+    SwitchCoolant,
     TurnSpindle,
     UseLength,
     quantities,
@@ -81,10 +82,10 @@ class TooLong(Exception):
 
 class Context:
     """place: mm or degrees by axis, in the frame in force, of axes whose place is known; values: variables that are;
-    spindle: the direction that is known to be in force, else ""; zero: the work zero, and kept ones; local_off: no
-    local offset is in force; spare_used: the spare work offset of the target is; axes: that the job
-    moves; local: mm by axis of the local offset in force, None: not known, suspended: the one that was suspended;
-    unit: of lengths, as the source has it."""
+    spindle: the direction that is known to be in force, else ""; coolant: it may be on; switched: which of both the job
+    may have switched so far; zero: the work zero, and kept ones; local_off: no local offset is in force; spare_used:
+    the spare work offset of the target is; axes: that the job moves; local: mm by axis of the local offset in force,
+    None: not known, suspended: the one that was suspended; unit: of lengths, as the source has it."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -93,6 +94,8 @@ class Context:
         self.values: dict[int, float] = dict(options.values)
         self.place: dict[str, float] = {}
         self.spindle = ""
+        self.coolant = False
+        self.switched: set[str] = set()
         self.zero = Zero(1)
         self.local_off = True
         self.kept: dict[float, Zero] = {}
@@ -142,10 +145,16 @@ class Context:
             self._set(node)
         elif isinstance(node, SetFrame):
             self._after_frame(node)
+        elif isinstance(node, SwitchCoolant):
+            self.coolant = bool(node.mist or node.flood)
+            self.switched.add("coolant")
         elif isinstance(node, TurnSpindle):
+            self.switched.add("spindle")
             self.spindle = self.spindle if node.direction == "speed" else node.direction
         elif isinstance(node, ParkAt | HomeAxes | ChangeTool | UseLength):
             self.place = {}
+            if isinstance(node, ChangeTool) and node.change and node.rests:
+                self.spindle = "off"
         elif isinstance(node, RunRoutine):
             self.forget(self.job.routines[node.name].body)
         elif isinstance(node, Choice | LoopWhile | CountLoop | OptionalPart | RepeatGrid):
@@ -238,7 +247,7 @@ class Context:
 
     def forget(self, body: Nodes) -> None:
         """What these operations may change is not known after them: places, and variables that they write."""
-        self.place, self.spindle = {}, ""
+        self.place = {}
         for node in self._all(body, set()):
             if isinstance(node, SetFrame):
                 self.zero, self.local_off, self.kept = Zero(), False, {}

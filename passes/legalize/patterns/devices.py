@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gproof.ir.job import ChangeTool, EndJob, Node, PauseJob, Remark, ShowText, SwitchCoolant
+from gproof.ir.finding import Span
+from gproof.ir.job import ChangeTool, EndJob, Node, PauseJob, Remark, ShowText, SwitchCoolant, TurnSpindle
 from gproof.ir.program import Number, Text
 from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
@@ -57,6 +58,46 @@ def change_as_stop(node: Node, feature: str, context: Context) -> list[Node] | N
     return [Remark(text=f"put in {what}", span=node.span), PauseJob(span=node.span)]
 
 
+def rest_before_change(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A tool change that stops the spindle: the spindle off, then the change."""
+    if not isinstance(node, ChangeTool) or not node.rests:
+        return None
+    change = replace(node, rests=False)
+    return [*_spindle_off(node.span, context), change]
+
+
+def _spindle_off(span: Span, context: Context) -> list[Node]:
+    """Nothing where the spindle rests, or the job has not started it."""
+    if context.spindle == "off":
+        return []
+    if "spindle" not in context.switched:
+        context.assume("the spindle rests when the job starts")
+        return []
+    return [TurnSpindle(direction="off", span=span)]
+
+
+def change_at_rest(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A change that leaves the spindle as it is, on a target where it stops: the spindle starts again after it."""
+    if not isinstance(node, ChangeTool) or node.rests:
+        return None
+    change = replace(node, rests=True)
+    if context.spindle == "off" or "spindle" not in context.switched:
+        return [change]
+    if not context.spindle:
+        return None
+    return [change, TurnSpindle(direction=context.spindle, span=node.span)]
+
+
+def rest_before_end(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """An end that stops spindle and coolant: both off, then the end."""
+    if not isinstance(node, EndJob):
+        return None
+    found = _spindle_off(node.span, context)
+    if context.coolant and "coolant" in context.switched:
+        found.append(SwitchCoolant(mist=False, flood=False, span=node.span))
+    return [*found, replace(node, rests=False)]
+
+
 def message_as_comment(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A text for the operator moves nothing: as a comment it is at its place."""
     if not isinstance(node, ShowText):
@@ -81,6 +122,18 @@ PATTERNS = (
     Pattern(
         name="message -> comment", removes=("message", "variable", "expression", "system_variable"),
         apply=message_as_comment,
+    ),
+    Pattern(
+        name="change that stops the spindle -> spindle off, change", removes=("tool_change_rests",),
+        apply=rest_before_change, unrolls=True,
+    ),
+    Pattern(
+        name="change with the spindle running -> change, spindle on", removes=("tool_change_running",),
+        apply=change_at_rest, unrolls=True,
+    ),
+    Pattern(
+        name="end that stops spindle and coolant -> both off, end", removes=("end_rests",), apply=rest_before_end,
+        unrolls=True,
     ),
     Pattern(name="end -> the end that there is", removes=("end", "end_reset"), apply=plain_end, unrolls=True),
 )  # fmt: skip
