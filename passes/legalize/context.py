@@ -85,7 +85,8 @@ class Context:
     spindle: the direction that is known to be in force, else ""; coolant: it may be on; switched: which of both the job
     may have switched so far; zero: the work zero, and kept ones; local_off: no local offset is in force; spare_used:
     the spare work offset of the target is; axes: that the job moves; local: mm by axis of the local offset in force,
-    None: not known, suspended: the one that was suspended; unit: of lengths, as the source has it."""
+    None: not known, suspended: the one that was suspended; remembered: what ``zero_keep`` kept, moved: axes that moved
+    since; unit: of lengths, as the source has it."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -100,6 +101,8 @@ class Context:
         self.local_off = True
         self.kept: dict[float, Zero] = {}
         self.spare_used = False
+        self.remembered: tuple[float | None, Zero, dict[str, float] | None, dict[str, float]] | None = None
+        self.moved: set[str] = set()
         self.axes = axes_of(job)
         self.local: dict[str, float] | None = {}
         self.suspended: dict[str, float] | None = None
@@ -153,6 +156,7 @@ class Context:
             self.spindle = self.spindle if node.direction == "speed" else node.direction
         elif isinstance(node, ParkAt | HomeAxes | ChangeTool | UseLength):
             self.place = {}
+            self.moved.update(AXIS_NAMES)
             if isinstance(node, ChangeTool) and node.change and node.rests:
                 self.spindle = "off"
         elif isinstance(node, RunRoutine):
@@ -171,6 +175,14 @@ class Context:
             self.local_off = False
         elif node.action in {"local_off", "local_suspend"}:
             self.local_off = True
+        elif node.action == "zero_keep":
+            self.remembered = number, self.zero, self.local, dict(self.place)
+            self.moved.clear()
+            return
+        elif node.action == "zero_recall" and self.remembered is not None and self.remembered[0] == number:
+            _, self.zero, self.local, place = self.remembered
+            self.place = {axis: at for axis, at in place.items() if axis not in self.moved}
+            return
         elif node.action.startswith("zero") or node.axes:
             self.zero = Zero()
         here = {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None and not p.relative}
@@ -206,6 +218,7 @@ class Context:
 
     def _go(self, to: Iterable[AxisPlace], *, known: bool) -> None:
         for place in to:
+            self.moved.add(place.axis)
             at = self.mm(place.at) if known else None
             if at is not None and place.relative:
                 before = self.place.get(place.axis)
@@ -217,6 +230,7 @@ class Context:
 
     def _after_hole(self, node: DrillHole) -> None:
         self._go(node.at, known=node.repeats is None)
+        self.moved.add(node.top.axis)
         top, before = self.mm(node.top.at), self.place.get(node.top.axis)
         if top is None or node.top.relative or (node.back == "before" and before is None):
             self.place.pop(node.top.axis, None)
@@ -229,6 +243,7 @@ class Context:
             named = np.flatnonzero(rows["axes"] & np.uint8(1 << column))
             if not len(named):
                 continue
+            self.moved.add(axis)
             unit = scale if column < 3 else 1.0
             if node.relative:
                 if axis in self.place:

@@ -15,6 +15,7 @@ from gproof.passes.legalize.patterns import (
     inputs,
     local_offsets,
     loops,
+    machine_moves,
     nothing_on,
     paths,
     places,
@@ -36,5 +37,6 @@ PATTERNS: tuple[Pattern, ...] = (
     *compensation.PATTERNS,
     *local_offsets.PATTERNS,
     *devices.PATTERNS,
+    *machine_moves.PATTERNS,
     *nothing_on.PATTERNS,
 )

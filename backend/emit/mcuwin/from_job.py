@@ -82,6 +82,10 @@ class McuWinWriter(JobWriter):
         axes = "".join(axis.word for axis in machine.axes)
         self.pascal = PascalWriter(self.variables, axes, self.din.angle_unit)
         self.columns = tuple(self.letters.get(name, "") if name in target.axes else "" for name in AXIS_NAMES)
+        arcs = [node for node in self.all_nodes() if isinstance(node, ArcTo)]
+        tables = any(isinstance(node, Moves) and (node.rows["kind"] >= ARC_CW).any() for node in self.all_nodes())
+        places = all(any(not place.relative for place in node.center) for node in arcs)
+        self.centers_are_places = bool(arcs) and places and not tables
         self.moved = False
         self.labels: dict[tuple[int, str], int] = {}
         self.scope = 0
@@ -118,8 +122,10 @@ class McuWinWriter(JobWriter):
 
     def header(self) -> Iterable[str]:
         """Modes that the manual leaves to earlier programs or to IniCfg (3.3, 3.6, 3.24, 3.28); the zero (3.19)."""
-        words = ["G91" if self.constant.get("relative") else "G90", "G71", "G94", "G162", "G17"]
-        self.state |= {"relative": bool(self.constant.get("relative")), "plane": "xy"}
+        relative, plane = bool(self.constant.get("relative")), self.constant.get("plane", "xy")
+        centers = "G161" if self.centers_are_places else "G162"
+        words = ["G91" if relative else "G90", "G71", "G94", centers, PLANES[plane]]
+        self.state |= {"relative": relative, "plane": plane}
         zero = [] if self.job.source == "mcuwin" or self._selects_first() else ["G54"]
         return [*self.style.header, " ".join(words), *zero]
 
@@ -292,6 +298,12 @@ class McuWinWriter(JobWriter):
 
     # ---- motion
 
+    def mode_line(self, relative: bool) -> None:
+        """G90 or G91 on a line of its own, where the text is not in it."""
+        if self.state.get("relative") is not relative:
+            self.line("G91" if relative else "G90")
+            self.state["relative"] = relative
+
     def distances(self, places: Iterable[AxisPlace], span: Span) -> None:
         """G90 or G91 (3.24, 3.25)."""
         found = {place.relative for place in places}
@@ -325,12 +337,9 @@ class McuWinWriter(JobWriter):
         absolute = any(not place.relative for place in node.center)
         if absolute and not all(axis in places for axis in node.plane):
             raise Unprintable("an arc without a word of its centre")
-        if absolute and self.state.get("centers") != "G161":
-            self.line("G161")
-            self.state["centers"] = "G161"
-        elif not absolute and self.state.get("centers") == "G161":
-            self.line("G162")
-            self.state.pop("centers")
+        switches = absolute is not self.centers_are_places
+        if switches:
+            self.line("G161" if absolute else "G162")
         if absolute and any(place.relative for place in node.to):
             raise Unprintable("an arc to a distance with a place as its centre")
         zero = Quantity(Number(0.0, node.span), "mm")
@@ -358,8 +367,6 @@ class McuWinWriter(JobWriter):
             if (rows["radius"][arcs] != 0.0).any():
                 raise Unprintable("an arc by its radius")
             self._plane(node.plane)
-            if self.state.pop("centers", None) == "G161":
-                self.line("G162")
             centred = rows["centred"].copy()
             centred[arcs] |= np.uint8(BITS[node.plane])
             arrays = {column.name: rows[column.name] for column in MOVE.columns} | {"centred": centred}
@@ -406,11 +413,11 @@ class McuWinWriter(JobWriter):
                 raise Unprintable("several work zeros that are kept")
             self.line("G153" if node.action == "zero_keep" else "G154")
         elif node.action in ("zero_at", "zero_shift"):
-            relative = node.action == "zero_shift"
-            if self.state.get("relative") is not relative:
-                self.line("G91" if relative else "G90")
-                self.state["relative"] = relative
+            self.mode_line(node.action == "zero_shift")
             self.line(" ".join(["G92", *self.words(node.places)]))
+            if "relative" in self.constant:
+                # What the whole job shares holds in subprograms too.
+                self.mode_line(self.constant["relative"])
         else:
             raise Unprintable(node.action)
 
