@@ -306,8 +306,8 @@ class Trace:
 
     symbols: the ranges, mm or degrees, of unknowns that arose in the run (probe contacts, answers): see ir/setup.py.
     macro_files: see ``Program``. ends: by section that ends the program what it leaves; questions: by section what its
-    two outcomes rest on, where that is the state of one channel. These two are notes for who compares programs, no part
-    of the stage.
+    two outcomes rest on, where that is the state of one channel; first: the state before anything has run. These three
+    are notes for who compares programs, no part of the stage.
     """
 
     files: list[str] = field(default_factory=list)
@@ -320,6 +320,7 @@ class Trace:
     macro_files: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
     ends: dict[int, EndState] = field(default_factory=dict, compare=False, repr=False)
     questions: dict[int, Question] = field(default_factory=dict, compare=False, repr=False)
+    first: State | None = field(default=None, compare=False, repr=False)
 
     def verify(self) -> None:
         """The invariants of this stage; ValueError with the first one that fails."""

@@ -29,7 +29,7 @@ class SymbolMeaning:
 class TranslationTerms:
     """What both sides agree on.
 
-    source, target: names of the languages, for sentences.
+    source, target: names of the languages; where they are equal, equal commands to devices are the same.
     tolerance_mm, tolerance_deg: by how much coordinates of the same place may differ; chord_mm: how far straight moves
     may be from an arc that they replace, 0: arcs must stay arcs; feed_relative: by which share of the greater one feeds
     and speeds may differ; seconds: by how much dwells may differ.
@@ -45,12 +45,13 @@ class TranslationTerms:
     silent: texts of commands to devices that need no counterpart, because they move and switch nothing.
     axes: that both machines have: what is left in the offsets of others moves nothing.
     scratch: offsets of the target that the translation itself uses (``work.9.x``): what they hold is not compared.
-    machine_zero_shared: machine coordinates of both machines count from the same place; else moves to machine places
-    are open.
+    machine_zero_shared: machine coordinates of both machines count from the same place.
+    tool_change_waits: a wait for the operator at a tool change is compared; else a machine that changes the tool by
+    itself does the same as one that waits for somebody who does.
     """
 
-    source: str = "source"
-    target: str = "target"
+    source: str = ""
+    target: str = ""
     tolerance_mm: float = 1e-6
     tolerance_deg: float = 1e-6
     chord_mm: float = 0.0
@@ -68,6 +69,7 @@ class TranslationTerms:
     rapids_assumed: bool = False
     left_out: frozenset[str] = field(default_factory=frozenset)
     silent: frozenset[str] = field(default_factory=frozenset)
+    tool_change_waits: bool = True
     machine_zero_shared: bool = True
     axes: frozenset[str] = frozenset("xyzabc")
     scratch: frozenset[str] = field(default_factory=frozenset)

@@ -8,7 +8,7 @@ it holds for every pass, because the pair stands for all states that come by it.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -71,7 +71,7 @@ class _Walk:
         self.result = Comparison()
         self.drift = np.zeros(2)
         self.visits: dict[tuple[int, int], int] = {}
-        self.seen: set[Pair] = set()
+        self.seen: dict[Pair, frozenset[str]] = {}
         self.ways_into = [outcomes.ways_into(trace) for trace in (source, target)]
         self.counted = [set[int](), set[int]()]
         self.came_from: list[dict[int, Place | None]] = [{}, {}]
@@ -82,13 +82,21 @@ class _Walk:
         if not all(trace.sections for trace in traces):
             self.result.open(divergence("nothing there", (None, None)))
             return self.result.concluded()
-        todo = deque([Pair(0, 0)])
+        todo = deque([(Pair(0, 0), frozenset[str]())])
         while todo and not self.result.differences:
-            pair = todo.popleft()
-            if pair in self.seen or not self._may_visit(pair):
+            pair, arisen = todo.popleft()
+            if pair in self.seen:
+                if self.seen[pair] != arisen:
+                    # Sections that are reached again name what arose on the first way to them: the unknowns of another
+                    # way have those names here, on either side, and nobody says which has which.
+                    self.result.open(
+                        divergence("names", (self.came_from[0].get(pair.source), self.came_from[1].get(pair.target)))
+                    )
                 continue
-            self.seen.add(pair)
-            todo.extend(self._pair(pair))
+            if not self._may_visit(pair):
+                continue
+            self.seen[pair] = arisen
+            todo.extend((following, arisen | new) for following, new in self._pair(pair))
         outcomes.say_assumptions(self.sides, self.result)
         self.result.rows = self._rows(0), self._rows(1)
         self.result.drift = float(self.drift[0]), float(self.drift[1])
@@ -106,8 +114,8 @@ class _Walk:
             return False
         return True
 
-    def _pair(self, pair: Pair) -> list[Pair]:
-        """Compare two stretches, and give the pairs that follow."""
+    def _pair(self, pair: Pair) -> list[tuple[Pair, frozenset[str]]]:
+        """Compare two stretches, and give the pairs that follow, with the unknowns that arise on the way there."""
         self.result.sections += 1
         one, other = self._stretches(pair)
         for which, stretch in enumerate((one, other)):
@@ -119,23 +127,31 @@ class _Walk:
             return []
         if not outcomes.waits_agree(one, other, self.result):
             return []
-        if one.edges and one.edges[0].wait is Wait.END:
-            compare_ends(self.sides, (one, other), self.ends, self.result)
-            return []
-        followed = []
+        return list(self._followed(one, other))
+
+    def _followed(self, one: Stretch, other: Stretch) -> Iterator[tuple[Pair, frozenset[str]]]:
+        """The pairs that follow two stretches that agree."""
         for a, b in outcomes.matched(one, other, self.result):
+            if a.wait is Wait.END:
+                compare_ends(self.sides, (one, other), self.ends, self.result)
+                continue
             if a.target < 0 or b.target < 0:
                 if a.target != b.target:
                     self.result.differs(divergence("end", (one.last_place, other.last_place)))
                 continue
+            new = frozenset[str]()
             if a.wait in (Wait.PROBE, Wait.HOME):
                 self._bind(a.target, b.target)
-            devices = one.devices, other.devices
+                starts = (self.sides[n].forms(self._start_frame(n, s)) for n, s in ((0, a.target), (1, b.target)))
+                new = frozenset(name for six in starts for form in six for name, _ in form if is_own(name))
+            mine, theirs = one.devices, other.devices
             if a.wait in (Wait.OPERATOR, Wait.TOOL_CHANGE):
-                devices = tuple(d.after_operator(side.spindle_channels)
-                                for d, side in zip(devices, self.sides, strict=True))  # type: ignore[assignment]  # fmt: skip
-            followed.append(Pair(a.target, b.target, *devices))
-        return followed
+                mine = mine.after_operator(self.sides[0].spindle_channels)
+                theirs = theirs.after_operator(self.sides[1].spindle_channels)
+            yield Pair(a.target, b.target, mine, theirs), new
+
+    def _start_frame(self, which: int, section: int) -> int:
+        return self.sides[which].trace.sections[section].start_frame
 
     def _stretches(self, pair: Pair) -> tuple[Stretch, Stretch]:
         """Both from here to their next wait; places where outcomes come together end both or neither."""
@@ -194,6 +210,8 @@ class _Walk:
         """The first event that differs, by its number; None where all are the same."""
         for n, (a, b) in enumerate(zip(one.events, other.events, strict=False)):
             answer = same(a, b, self.terms.feed_relative, self.terms.seconds)
+            if answer and a.kind == "device" and self.terms.source != self.terms.target:
+                return n
             if answer is None:
                 self.result.open(divergence(f"{a.kind} unknown", (a.place, b.place)))
             elif not answer:
@@ -301,9 +319,8 @@ class _Walk:
 
     def _bind(self, source: int, target: int) -> None:
         """What a probe move or a reference run has found is the same on both sides: both did the same before it."""
-        pairs = zip(*(self.sides[n].forms(self.sides[n].trace.sections[s].start_frame)
-                      for n, s in ((0, source), (1, target))), strict=True)  # fmt: skip
-        for one, other in pairs:
+        starts = (self.sides[n].forms(self._start_frame(n, s)) for n, s in ((0, source), (1, target)))
+        for one, other in zip(*starts, strict=True):
             mine, theirs = set(one) - set(other), set(other) - set(one)
             if len(mine) != 1 or len(theirs) != 1:
                 continue

@@ -66,6 +66,7 @@ class EventReader:
         self.outputs = dict(outputs)
         self.found: list[Event] = []
         self.rests: set[int] = set()
+        self._partial: Event | None = None
 
     @property
     def devices(self) -> Devices:
@@ -82,7 +83,17 @@ class EventReader:
             rows["file"][which].tolist(), rows["line"][which].tolist(), strict=True,
         )  # fmt: skip
         for kind, arg, text, at, file, line in columns:
+            partial = self._partial
+            if partial is not None and (kind != Op.OUTPUT or at != partial.at):
+                self._keep_partial(partial)
             self._one(kind, arg[0], arg[1], text, at, (files[file], line))
+        if self._partial is not None:
+            self._keep_partial(self._partial)
+
+    def _keep_partial(self, partial: Event) -> None:
+        """Outputs that run a device together were not switched together: what it does is not known."""
+        self.found.append(partial)
+        self._partial, self.spindle = None, None
 
     def _one(self, op: int, first: float, second: float, text: int, at: int, place: Place) -> None:
         if op == Op.OFFSET:
@@ -123,6 +134,11 @@ class EventReader:
 
     def _add(self, kind: str, values: tuple[float | str, ...], at: int, place: Place, *, flying: bool = False) -> None:
         self.found.append(Event(kind, values, at, place, flying))
+
+    def _group(self, channels: set[int]) -> bool | None:
+        """Whether channels that are switched together are on; None: some of them."""
+        on = sum(bool(self.outputs.get(one)) for one in channels)
+        return None if 0 < on < len(channels) else on > 0
 
     def _dwell(self, seconds: float, at: int, place: Place) -> None:
         last = self.found[-1] if self.found else None
@@ -169,17 +185,24 @@ class EventReader:
         self.outputs[channel] = value
         if channel in self.side.spindle_channels:
             on = {one for one in self.side.spindle_channels if self.outputs.get(one)}
+            self._partial = None
             if not on:
                 self._turn(0.0, 0.0, at, place)
+            elif on == set(own.forward) == set(own.backward):
+                self._turn(math.nan, self.speed, at, place)
             elif on == set(own.forward):
                 self._turn(1.0, self.speed, at, place)
             elif on == set(own.backward):
                 self._turn(-1.0, self.speed, at, place)
+            else:
+                self._partial = Event("spindle outputs", (float(channel), value), at, place)
         elif channel in own.coolant:
-            flood = set(own.coolant) - set(own.mist)
-            self._cool(
-                tuple(float(any(self.outputs.get(one) for one in ones)) for ones in (own.mist, flood)), at, place
-            )
+            self._partial = None
+            now = [self._group(ones) for ones in (set(own.mist), set(own.coolant) - set(own.mist))]
+            if None in now:
+                self._partial = Event("coolant outputs", (float(channel), value), at, place)
+            else:
+                self._cool(tuple(float(bool(one)) for one in now), at, place)
         elif known != value:
             number = float(self.side.channels.get(channel, channel))
             self._add("output", (number, value), at, place, flying=text == 1)

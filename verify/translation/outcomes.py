@@ -54,6 +54,9 @@ def matched(one: Stretch, other: Stretch, result: Comparison) -> Iterator[tuple[
     places = one.last_place, other.last_place
     if len(one.edges) == 1:
         a, b = one.edges[0], other.edges[0]
+        if wait is Wait.END and a.outcome != b.outcome:
+            result.differs(divergence("outcome", places, names=(a.outcome, b.outcome)))
+            return
         if wait is Wait.INPUT and a.outcome != b.outcome:
             result.open(divergence("timeout", places, names=(a.outcome, b.outcome)))
             return
@@ -96,6 +99,10 @@ def _same_question(one: Stretch, other: Stretch) -> bool | None:
 def say_assumptions(sides: tuple[Side, Side], result: Comparison) -> None:
     """What the answer rests on whatever the rows say."""
     terms = sides[0].terms
+    if any(state.compensation for side in sides for state in side.trace.states):
+        result.assume("the radius of each tool is the one in the machine files")
+    if any(side.polls for side in sides):
+        result.assume("what a program asks for again and again is noticed in time")
     for name in sorted(terms.left_out):
         result.assume(f"not compared, because one of the controllers does not have it: {name}")
     for mine, side in ((terms.source, sides[0]), (terms.target, sides[1])):

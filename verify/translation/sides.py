@@ -49,7 +49,7 @@ class Shared:
 
 
 class Side:
-    """A Trace and how its names are read. which: 0 source, 1 target."""
+    """A Trace and how its names are read. which: 0 source, 1 target; polls: it waits for an input by a loop."""
 
     def __init__(self, trace: Trace, which: int, terms: TranslationTerms, shared: Shared) -> None:
         self.trace, self.which, self.terms, self.shared = trace, which, terms, shared
@@ -57,6 +57,7 @@ class Side:
         meanings = terms.target_symbols if is_target else terms.source_symbols
         self.meanings: dict[str, SymbolMeaning] = {m.symbol: m for m in meanings}
         self.bound: dict[str, str] = {}
+        self.polls = False
         self.outputs: SpindleOutputs = terms.target_outputs if is_target else terms.source_outputs
         self.channels: dict[int, int] = {} if is_target else dict(terms.outputs)
         self.inputs: dict[int, int] = {} if is_target else dict(terms.inputs)
@@ -73,7 +74,6 @@ class Side:
         self._axis_forms: Ints = np.zeros((count, AXES), np.int64)
         self._arising: set[int] = set()
         self._facts: Ints = np.full(len(self.trace.states), -1, np.int64)
-        self._first_limits: tuple[Any, ...] | None = None
 
     # -- places
 
@@ -169,11 +169,11 @@ class Side:
 
     def _limits(self, state: State) -> tuple[Any, ...]:
         """Limits of the work that the program has changed: those of the start are the machine's own."""
-        now = tuple((b.axis, b.low, b.high, b.limit, b.open) for b in state.boundaries)
-        if self._first_limits is None:
-            first = self.trace.states[0] if self.trace.states else state
-            self._first_limits = tuple((b.axis, b.low, b.high, b.limit, b.open) for b in first.boundaries)
-        return () if now == self._first_limits else now
+        now, first = (
+            tuple((b.axis, b.low, b.high, b.limit, b.open) for b in one.boundaries) if one is not None else ()
+            for one in (state, self.trace.first)
+        )
+        return () if now == first else now
 
 
 def is_own(name: str) -> bool:

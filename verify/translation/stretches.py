@@ -71,9 +71,47 @@ def is_joint(edges: tuple[Edge, ...]) -> bool:
 
 
 def stretch_from(side: Side, number: int, devices: Devices, ends_of: set[int]) -> Stretch:
-    """The stretch that starts with a section; ends_of: sections before which it ends although nothing is asked."""
+    """The stretch that starts with a section; ends_of: sections before which it ends although nothing is asked.
+
+    A loop that does nothing until an input has a state is the wait for that input (``_poll``).
+    """
+    found = _stretch(side, number, devices, ends_of)
+    awaited = _poll(side, found)
+    if awaited is None:
+        return found
+    side.polls = True
+    edge, channel, value = awaited
+    place = side.trace.files[edge.file], edge.line
+    found.events.append(Event("input", (float(side.inputs.get(channel, channel)), value), len(found.moves.op), place))
+    found.edges = (Edge(wait=Wait.INPUT, outcome="come", target=edge.target, line=edge.line, file=edge.file),)
+    return found
+
+
+def _poll(side: Side, found: Stretch) -> tuple[Edge, int, float] | None:
+    """The outcome that ends a loop which only waits, with channel and state of the input; None where it is none.
+
+    One outcome of the question leads to a section that moves and switches nothing, at most dwells, and asks the same
+    with the same outcomes.
+    """
+    question = side.trace.questions.get(found.sections[-1])
+    if question is None or question.kind != "input" or len(found.edges) != 2:
+        return None
+    for n, edge in enumerate(found.edges):
+        if edge.target < 0:
+            continue
+        again = _stretch(side, edge.target, found.devices, set())
+        quiet = not len(again.moves.op) and all(event.kind == "dwell" for event in again.events)
+        same = side.trace.questions.get(again.sections[-1]) == question
+        if quiet and same and [e.target for e in again.edges] == [e.target for e in found.edges]:
+            ending = found.edges[1 - n]
+            return ending, question.channel, float((ending.outcome == "true") == question.on)
+    return None
+
+
+def _stretch(side: Side, number: int, devices: Devices, ends_of: set[int]) -> Stretch:
+    """The stretch that starts with a section, as the Trace has it."""
     sections = [side.trace.sections[number]]
-    while is_joint(sections[-1].edges) or _is_read(sections[-1]):
+    while is_joint(sections[-1].edges) or _is_read(sections[-1]) or _goes_on(side, sections[-1]):
         target = sections[-1].edges[0].target
         if target < 0 or target in ends_of or any(section.number == target for section in sections):
             break
@@ -99,6 +137,12 @@ def _is_read(section: TraceSection) -> bool:
     """Whether a section ends with an input that is read at once: that takes no time and asks nothing."""
     edges = section.edges
     return len(edges) == 1 and edges[0].wait is Wait.INPUT and edges[0].outcome == "read"
+
+
+def _goes_on(side: Side, section: TraceSection) -> bool:
+    """Whether a section ends with a tool change that counts as done, whoever does it."""
+    edges = section.edges
+    return not side.terms.tool_change_waits and len(edges) == 1 and edges[0].wait is Wait.TOOL_CHANGE
 
 
 class _Part:

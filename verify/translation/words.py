@@ -47,6 +47,7 @@ OPEN: dict[str, str] = {
     "rapid": "rapid moves of several axes: the path is not the same on both machines, or unknown",
     "not followed": "what comes after this line is unknown",
     "branch": "the source waits for {names[0]}, the target for {names[1]}: an open condition is on one side only",
+    "names": "the position rests on something that arises in a loop",
     "one question": "one program asks a question here, and the other goes on without it",
     "condition": "the two conditions cannot be compared",
     "timeout": "the wait ends with {names[0]!r} in the source and {names[1]!r} in the target",

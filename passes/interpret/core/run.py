@@ -118,6 +118,7 @@ class Run:
         self.asked: dict[int, Asked] = {}
         self.inputs_read: dict[int, tuple[Unknown, int, int]] = {}
         self.ahead = Ahead(program)
+        self.trace.first = self.modal.row_state()
         self.rows = RowBuffer(
             self.trace, [p.value for p in self.modal.position], self.frame_number(), program.line_count
         )

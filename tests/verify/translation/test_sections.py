@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from verify.translation.support import STRAIGHT, Shop
 
+from gproof.ir.translation_terms import SymbolMeaning
 from gproof.ir.verdict import Verdict
 
 SAFE, UNSAFE, UNKNOWN = Verdict.SAFE, Verdict.UNSAFE, Verdict.UNKNOWN
@@ -138,3 +139,36 @@ def test_rapids_of_several_axes(shop: Shop) -> None:
     whole = job.replace("G0 Z5", "G0 X0 Y0 Z5")
     assert shop.compared(whole, cut).verdict is SAFE
     assert shop.compared(whole, cut, dataclasses.replace(bent, rapids_assumed=True)).verdict is UNSAFE
+
+
+POLLED = "G21 G90\nG0 Z5\nM56 P3\nWHILE [#5399 == 0]\nG4 P0.1\nM56 P3\nENDWHILE\nG0 X10\nM30\n"
+
+
+def test_a_loop_that_only_waits_is_a_wait(shop: Shop) -> None:
+    """WinCNC waits without a time limit (M17: until on, M18: until off); a loop that asks again and again does, too."""
+    zero = tuple(
+        SymbolMeaning(symbol=f"g92.{axis}", form=((f"g92.{axis}", 1), (f"work.0.{axis}", 1))) for axis in "xyza"
+    )
+    terms = dataclasses.replace(STRAIGHT, source="Eding", target="WinCNC", target_symbols=zero)
+    wait = "G90\nG0 Z5\nM17C3\nG0 X10\n"
+    answer = shop.compared(POLLED, (wait, "wincnc"), terms)
+    assert answer.verdict is SAFE, answer
+    assert any("again and again" in sentence for sentence in answer.assumptions)
+    for old, new in (("M17", "M18"), ("C3", "C4"), ("M17C3\n", ""), ("M17C3\nG0 X10\n", "G0 X10\nM17C3\n")):
+        assert shop.compared(POLLED, (wait.replace(old, new), "wincnc"), terms).verdict is not SAFE
+    # One that moves is none.
+    moving = POLLED.replace("G4 P0.1\n", "G1 X1 F100\nX0\n")
+    assert shop.compared(moving, (wait, "wincnc"), terms).verdict is not SAFE
+
+
+def test_a_probe_in_a_loop_is_open(shop: Shop) -> None:
+    """Sections that come again name what the first pass has found; nobody says whether the other side does so, too."""
+    job = "G21 G90\nG0 Z5\nM56 P3\nWHILE [#5399 == 1]\nG38.2 Z-10 F50\nG92 Z0\nG0 Z5\nM0\nM56 P3\nENDWHILE\nM30\n"
+    assert shop.compared(job, job).verdict is not UNSAFE
+
+
+def test_the_controller_changes_the_tool_or_somebody(shop: Shop) -> None:
+    job = "G21 G90\nG0 Z5\nM6 T2\nG0 X10\nM30\n"
+    loose = dataclasses.replace(STRAIGHT, tool_change_waits=False)
+    assert shop.compared(job, job, loose).verdict is SAFE
+    assert shop.compared(job, job.replace("T2", "T3"), loose).verdict is UNSAFE
