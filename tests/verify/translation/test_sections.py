@@ -163,7 +163,7 @@ def test_a_loop_that_only_waits_is_a_wait(shop: Shop) -> None:
 
 def test_a_probe_in_a_loop_is_open(shop: Shop) -> None:
     """Sections that come again name what the first pass has found; nobody says whether the other side does so, too."""
-    job = "G21 G90\nG0 Z5\nM56 P3\nWHILE [#5399 == 1]\nG38.2 Z-10 F50\nG92 Z0\nG0 Z5\nM0\nM56 P3\nENDWHILE\nM30\n"
+    job = "G21 G90\nG0 Z5\nM56 P3\nWHILE [#5399 == 1]\nG38.2 Z-10 F50\nG0 Z5\nM0\nM56 P3\nENDWHILE\nM30\n"
     assert shop.compared(job, job).verdict is not UNSAFE
 
 
