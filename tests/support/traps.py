@@ -76,8 +76,11 @@ class Case:
         states = json.loads(stated) if stated else [{}]
         return [setup | state for setup in SETUPS for state in (states if isinstance(states, list) else [states])]
 
-    def written(self, program: str, folder: Path) -> tuple[Path, Path]:
-        """A program, its machine and the files it calls, written into a folder: (program, machine file)."""
+    def written(self, program: str, folder: Path, *, alone: bool = False) -> tuple[Path, Path]:
+        """A program, its machine and the files it calls, written into a folder: (program, machine file).
+
+        alone: without the next job that shows what is left.
+        """
         side, dialect = self.side(program), self.dialect(program)
         called = {n.partition("/")[2]: data for n, data in self.section.files.items() if n.startswith(f"{side}/")}
         files = machine_files(dialect) | called | {program: self.section.files[program]}
@@ -85,7 +88,7 @@ class Case:
         said = self.section.said(f"{side.capitalize()} machine: ")
         files[name] = changed(files[name].decode(), said).encode()
         job = Path(program)
-        if self.leaves():
+        if self.leaves() and not alone:
             job, files = followed(dialect, program, files)
         for inner, data in files.items():
             (folder / inner).write_bytes(data)

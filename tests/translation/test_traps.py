@@ -63,10 +63,10 @@ def _stored(machine: list[float]) -> StoredPosition:
 
 
 @cache
-def session_of(case: Case, program: str, folder: Path) -> Session:
+def session_of(case: Case, program: str, folder: Path, *, alone: bool = False) -> Session:
     """A program of a case, read once for all its setups."""
     folder.mkdir(parents=True)
-    written, machine = case.written(program, folder)
+    written, machine = case.written(program, folder, alone=alone)
     session = open_session(written, machine=machine, setup="zero", dialect=case.dialect(program))
     if case.dialect(program) == "wincnc":
         settings = dataclasses.replace(wincnc_settings(session.machine), shift_sign=1)
@@ -169,6 +169,19 @@ def test_wrong_translations_differ(case: Case, tmp_path: Path) -> None:
     for program in wrong:
         if case.dialect(program) in READ:
             assert against(case, program, tmp_path) != [], program
+
+
+BAKED = [(case, name) for case in CASES for name in case.programs("wrong") if name.startswith("wrong-baked")]
+
+
+@pytest.mark.parametrize("case, program", BAKED, ids=lambda one: one.name if isinstance(one, Case) else one)
+def test_baked_offsets_are_right_for_one_zero(case: Case, program: str, tmp_path: Path) -> None:
+    """The translations that were tried on one day: only another work zero shows that they are wrong."""
+    setup = case.setups()[0]
+    rows, bad = trace(case, program, setup, tmp_path)
+    assert bad == []
+    moves = [placed(row, setup) for row in case.rows(program) if row["op"] != "left"]
+    assert difference(moves, rows[: len(moves)]) == ""
 
 
 OTHERS = [(case, name) for case in CASES for role in ("target", "wrong") for name in case.programs(role)]
