@@ -69,7 +69,7 @@ class McuWinDialect(Dialect[McuWinRun]):
         found = end_state(run, (*common_modes(run.modal, "mcuwin"), reflected))
         # The tables of zero offsets and tools are written by no program (2.7, 3.19).
         assumed = ("McuWIN keeps the zero offset for the next program",)
-        return replace(found, table=None, length=None, assumed=assumed)
+        return replace(found, table=(), length=None, assumed=assumed)
 
     def letters(self, machine: Machine) -> dict[str, int]:
         """Column of each letter that moves an axis."""
