@@ -64,9 +64,10 @@ def _stored(machine: list[float]) -> StoredPosition:
 
 @cache
 def session_of(case: Case, program: str, folder: Path, *, alone: bool = False) -> Session:
-    """A program of a case, read once for all its setups."""
-    folder.mkdir(parents=True)
-    written, machine = case.written(program, folder, alone=alone)
+    """A program of a case, read once for all its setups and tests; folder: of all of them."""
+    place = folder / case.name / f"{program}{'.alone' * alone}"
+    place.mkdir(parents=True)
+    written, machine = case.written(program, place, alone=alone)
     session = open_session(written, machine=machine, setup="zero", dialect=case.dialect(program))
     if case.dialect(program) == "wincnc":
         settings = dataclasses.replace(wincnc_settings(session.machine), shift_sign=1)
@@ -76,7 +77,7 @@ def session_of(case: Case, program: str, folder: Path, *, alone: bool = False) -
 
 def trace(case: Case, program: str, setup: dict[str, Any], folder: Path) -> tuple[list[dict[str, Any]], list[str]]:
     """Rows in the words of README.md, and what is an error or unknown."""
-    session = session_of(case, program, folder / program)
+    session = session_of(case, program, folder)
     findings = Findings()
     for finding in session.findings.kept:
         findings.add(finding)
@@ -155,30 +156,36 @@ def _is_of(row: dict[str, Any], setup: dict[str, Any]) -> bool:
     return all(setup.get(key) == value for key, value in row.get("when", {}).items())
 
 
+@pytest.fixture(scope="module")
+def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the programs of all cases are, each with its machine."""
+    return tmp_path_factory.mktemp("traps")
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_pair_does_what_the_manuals_say(case: Case, tmp_path: Path) -> None:
+def test_pair_does_what_the_manuals_say(case: Case, shop: Path) -> None:
     for program in (*case.programs("source"), *case.programs("target")):
         if case.dialect(program) in READ:
-            assert against(case, program, tmp_path) == [], program
+            assert against(case, program, shop) == [], program
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_wrong_translations_differ(case: Case, tmp_path: Path) -> None:
+def test_wrong_translations_differ(case: Case, shop: Path) -> None:
     wrong = case.programs("wrong")
     assert len(wrong) >= 2
     for program in wrong:
         if case.dialect(program) in READ:
-            assert against(case, program, tmp_path) != [], program
+            assert against(case, program, shop) != [], program
 
 
 BAKED = [(case, name) for case in CASES for name in case.programs("wrong") if name.startswith("wrong-baked")]
 
 
 @pytest.mark.parametrize("case, program", BAKED, ids=lambda one: one.name if isinstance(one, Case) else one)
-def test_baked_offsets_are_right_for_one_zero(case: Case, program: str, tmp_path: Path) -> None:
+def test_baked_offsets_are_right_for_one_zero(case: Case, program: str, shop: Path) -> None:
     """The translations that were tried on one day: only another work zero shows that they are wrong."""
     setup = case.setups()[0]
-    rows, bad = trace(case, program, setup, tmp_path)
+    rows, bad = trace(case, program, setup, shop)
     assert bad == []
     moves = [placed(row, setup) for row in case.rows(program) if row["op"] != "left"]
     assert difference(moves, rows[: len(moves)]) == ""
@@ -188,11 +195,11 @@ OTHERS = [(case, name) for case in CASES for role in ("target", "wrong") for nam
 
 
 @pytest.mark.skipif(rs274_peer.missing() is not None, reason="LinuxCNC's interpreter is not installed")
-def test_texts_for_linuxcnc_and_grbl(tmp_path: Path) -> None:
+def test_texts_for_linuxcnc_and_grbl(shop: Path) -> None:
     """LinuxCNC's own interpreter reads them: the right ones give the rows of the page, the wrong ones do not."""
     jobs, questions = [], []
     for number, (case, name) in enumerate((c, n) for c, n in OTHERS if c.dialect(n) not in READ):
-        program = tmp_path / f"{number}.ngc"
+        program = shop / f"{number}.ngc"
         program.write_bytes(case.section.files[name])
         for setup in case.setups():
             zeros = {n: dict(zip(AXES, setup[key], strict=True)) for n, key in ((1, "work"), (2, "second"))}

@@ -48,9 +48,20 @@ def anywhere(state: dict[str, Any], dialect: str) -> Setup:
     )
 
 
+KNOWN: dict[tuple[str, str, str], tuple[Session, Trace | None, bool]] = {}
+"""Traces by case, program and state."""
+
+
 def traced(case: Case, program: str, state: dict[str, Any], folder: Path) -> tuple[Session, Trace | None, bool]:
     """A program, its trace for any work zero, and whether something in it is an error or unknown."""
-    session = session_of(case, program, folder / program, alone=True)
+    key = case.name, program, str({name: value for name, value in state.items() if name not in OF_BOTH})
+    if key not in KNOWN:
+        KNOWN[key] = _traced(case, program, state, folder)
+    return KNOWN[key]
+
+
+def _traced(case: Case, program: str, state: dict[str, Any], folder: Path) -> tuple[Session, Trace | None, bool]:
+    session = session_of(case, program, folder, alone=True)
     findings = Findings()
     for finding in session.findings.kept:
         findings.add(finding)
@@ -91,9 +102,9 @@ def verdicts(case: Case, program: str, folder: Path) -> list[tuple[Verdict, obje
     """What the validator says of a target, once for each state of the setup that it may rest on."""
     states = {str({k: v for k, v in state.items() if k not in OF_BOTH}): state for state in case.setups()}
     found: list[tuple[Verdict, object]] = []
-    for number, state in enumerate(states.values()):
-        source, one, is_open = traced(case, case.source, state, folder / f"s{number}")
-        target, other, is_bad = traced(case, program, state, folder / f"t{number}")
+    for state in states.values():
+        source, one, is_open = traced(case, case.source, state, folder)
+        target, other, is_bad = traced(case, program, state, folder)
         if one is None or other is None or is_open or is_bad:
             found.append((Verdict.UNKNOWN, "a finding"))
             continue
@@ -102,18 +113,24 @@ def verdicts(case: Case, program: str, folder: Path) -> list[tuple[Verdict, obje
     return found
 
 
+@pytest.fixture(scope="module")
+def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the programs of all cases are, each with its machine."""
+    return tmp_path_factory.mktemp("traps")
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_pairs_are_proven(case: Case, tmp_path: Path) -> None:
+def test_pairs_are_proven(case: Case, shop: Path) -> None:
     for program in case.programs("target"):
         if case.dialect(program) in READ:
-            found = verdicts(case, program, tmp_path / program)
+            found = verdicts(case, program, shop)
             is_proven = all(verdict is Verdict.SAFE for verdict, _ in found)
             assert is_proven != bool(case.unproven), (program, found)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_wrong_translations_are_refused(case: Case, tmp_path: Path) -> None:
+def test_wrong_translations_are_refused(case: Case, shop: Path) -> None:
     for program in case.programs("wrong"):
         if case.dialect(program) in READ:
-            found = verdicts(case, program, tmp_path / program)
+            found = verdicts(case, program, shop)
             assert any(verdict is not Verdict.SAFE for verdict, _ in found), program
