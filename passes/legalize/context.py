@@ -41,6 +41,7 @@ from gproof.ir.program import Expr, Number
 from gproof.ir.record import field, record
 from gproof.ir.target import Target
 from gproof.passes.legalize.constants import constant
+from gproof.passes.legalize.transform import SAME, Transform, applied, joined
 
 MOST_OPERATIONS = 200_000
 """Operations that loops and routines may be unrolled into."""
@@ -97,6 +98,8 @@ class Context:
         self.spindle = ""
         self.coolant = False
         self.switched: set[str] = set()
+        self.turns: dict[str, Transform] = {}
+        self.program_place: dict[str, float] = {}
         self.zero = Zero(1)
         self.local_off = True
         self.kept: dict[float, Zero] = {}
@@ -110,6 +113,24 @@ class Context:
         self.lowered: list[Lowered] = []
         self.assumed: dict[str, None] = {}
         self.spent = 0
+
+    @property
+    def transform(self) -> Transform:
+        """What rotations, scalings and mirrors in force make of places, where the target has none of its own."""
+        found = SAME
+        for one in self.turns.values():
+            found = one if found == SAME else joined(found, one) if one != SAME else found
+        return found
+
+    def through(self, node: Node) -> Node | None:
+        """An operation behind the transform; None where a number that it needs is not known."""
+        found = applied(node, self.transform, self.program_place)
+        if found is not None:
+            place, self.place = self.place, dict(self.program_place)
+            self.after(node)
+            place, self.place = self.place, place
+            self.program_place = place
+        return found
 
     # ---- values
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from gproof.ir.finding import Span
 from gproof.ir.job import (
+    ArcTo,
     Choice,
     CountLoop,
     DrillHole,
@@ -23,10 +24,12 @@ from gproof.ir.job import (
     Job,
     LoopWhile,
     Moves,
+    MoveTo,
     Node,
     Nodes,
     NotRaised,
     OptionalPart,
+    ParkAt,
     PauseJob,
     Remark,
     RepeatGrid,
@@ -42,9 +45,16 @@ from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
 from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
 from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.patterns.constants import fold
 from gproof.passes.legalize.registry import PATTERNS
 from gproof.passes.legalize.structured import structured
+from gproof.passes.legalize.transform import SAME, Transform
 
+_TURNED = (Moves, MoveTo, ArcTo, DrillHole, ParkAt)
+_IN_NUMBERS = frozenset(
+    ("frame_rotate", "frame_scale", "frame_mirror", "frame_zero_at", "frame_zero_shift", "frame_zero_keep",
+     "frame_zero_recall")
+)  # fmt: skip
 SAME_CLEARANCE = 1e-9
 """mm that two clearances differ by rounding."""
 
@@ -150,7 +160,7 @@ class _Legalizer:
         found = {feature for feature in features(node) if feature not in self.target.legal}
         if isinstance(node, RunRoutine) and "variable" not in self.target.legal and self._is_computed(node):
             found.add("routine_arguments")
-        if isinstance(node, RunRoutine) and "frame_zero_at" not in self.target.legal and self._moves_zero(node):
+        if isinstance(node, RunRoutine) and (self._moves_zero(node) or self.context.transform != SAME):
             found.add("routine")
         if isinstance(node, DrillHole) and node.back == "before" and not self.target.cycle_returns:
             found.add("cycle_return")
@@ -167,17 +177,25 @@ class _Legalizer:
         return any("variable" in features(one) for one in self.context.routine_nodes(node.name))
 
     def _moves_zero(self, node: RunRoutine) -> bool:
-        """Whether a routine sets a zero in machine places: what is in force before each of its runs counts."""
+        """Whether a routine sets what becomes numbers: what is in force before each of its runs counts."""
         return any(
-            isinstance(one, SetFrame) and one.action.startswith("zero") for one in self.context.routine_nodes(node.name)
+            isinstance(one, SetFrame) and any(name not in self.target.legal for name in features(one) & _IN_NUMBERS)
+            for one in self.context.routine_nodes(node.name)
         )
 
     def body(self, nodes: Nodes) -> Nodes:
         """A list of operations, legal."""
         found: list[Node] = []
-        rest = list(reversed(nodes))
+        # With each operation whether its places are already those behind the transform in force.
+        rest = [(node, False) for node in reversed(nodes)]
         while rest:
-            node = rest.pop()
+            node, done = rest.pop()
+            if not done and self.context.transform != SAME and isinstance(node, _TURNED):
+                turned = self._turned(node)
+                if turned is None:
+                    found.append(self._lost_to_transform(node))
+                    continue
+                node, done = turned, True
             missing = self.missing(node)
             if not missing:
                 inside = self._inside(node)
@@ -189,8 +207,19 @@ class _Legalizer:
                 found += self._lost(node, missing[0])
                 self.context.forget((node,))
             else:
-                rest.extend(reversed(instead))
+                rest += [(one, done) for one in reversed(instead)]
         return tuple(found)
+
+    def _turned(self, node: Node) -> Node | None:
+        """A move behind the rotation, scaling or mirroring in force; None where a number is not known."""
+        folded = fold(node, "", self.context)
+        return self.context.through(node if folded is None else folded[0])
+
+    def _lost_to_transform(self, node: Node) -> Node:
+        why = "under a rotation, scaling or mirror, a number that it needs is not known"
+        self.refused.append(NotLegal("a move", why, node.span))
+        self.context.forget((node,))
+        return NotRaised(construct="a move", why=why, span=node.span)
 
     def _rewritten(self, node: Node, feature: str) -> list[Node] | None:
         tried = []
@@ -235,18 +264,33 @@ class _Legalizer:
             return node
         before = self.context
         if isinstance(node, Choice):
-            values, place, local = dict(before.values), dict(before.place), before.local
+            values, place, turns = dict(before.values), dict(before.place), dict(before.turns)
             then = self.body(node.then)
-            after, left = (dict(before.values), dict(before.place)), before.local
-            before.values, before.place, before.local = values, place, local
+            after = dict(before.values), dict(before.place)
+            turned, before.turns = before.turns, turns
+            before.values, before.place = values, place
+            # LOCAL
             otherwise = self.body(node.otherwise)
             before.local = left if left == before.local else None
             before.values = _same(after[0], before.values)
             before.place = _same(after[1], before.place)
+            before.program_place = {}
+            self._same_turns(turned, node)
             return replace(node, then=then, otherwise=otherwise)
         assert isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid)
         before.forget((node,))
-        return replace(node, body=self.body(node.body))
+        turns = dict(before.turns)
+        before.program_place = {}
+        body = self.body(node.body)
+        before.program_place = {}
+        self._same_turns(turns, node)
+        return replace(node, body=body)
+
+    def _same_turns(self, turns: dict[str, Transform], node: Node) -> None:
+        """Rotations that are in numbers are the same on every way to a place, or what follows is refused."""
+        if {k: t for k, t in turns.items() if t != SAME} != {k: t for k, t in self.context.turns.items() if t != SAME}:
+            why = "it is switched in a loop or on one way of a choice"
+            self.refused.append(NotLegal("rotation, scaling or mirror", why, node.span))
 
 
 K = TypeVar("K")

@@ -20,6 +20,7 @@ from gproof.passes.legalize.patterns import (
     paths,
     places,
     routines,
+    transforms,
 )
 
 PATTERNS: tuple[Pattern, ...] = (
@@ -31,6 +32,7 @@ PATTERNS: tuple[Pattern, ...] = (
     *constants.PATTERNS,
     *cycles.PATTERNS,
     *arcs.PATTERNS,
+    *transforms.PATTERNS,
     *frames.PATTERNS,
     *places.PATTERNS,
     *paths.PATTERNS,

@@ -12,7 +12,21 @@ from dataclasses import replace
 import numpy as np
 
 from gproof.ir.columns import Columns
-from gproof.ir.job import ARC_CCW, ARC_CW, MM, MOVE, ArcTo, AxisPlace, Moves, MoveTo, Node, Quantity, SetFrame
+from gproof.ir.job import (
+    ARC_CCW,
+    ARC_CW,
+    MM,
+    MOVE,
+    ArcTo,
+    AxisPlace,
+    DrillHole,
+    Moves,
+    MoveTo,
+    Node,
+    ParkAt,
+    Quantity,
+    SetFrame,
+)
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
 from gproof.ir.record import field, record
@@ -46,6 +60,29 @@ class Transform:
 
 
 SAME = Transform()
+
+
+def before(by: Transform, place: dict[str, float]) -> dict[str, float]:
+    """Where a program is whose place behind a transform is ``place``."""
+    found = {}
+    if "x" in place and "y" in place:
+        matrix = np.array([by.x, by.y])
+        at = np.array([place["x"] - by.shift.get("x", 0.0), place["y"] - by.shift.get("y", 0.0)])
+        if abs(float(np.linalg.det(matrix))) > SINGULAR:
+            x, y = np.linalg.solve(matrix, at)
+            found |= {"x": float(x), "y": float(y)}
+    elif not by.turned:
+        for axis, factor in (("x", by.x[0]), ("y", by.y[1])):
+            if axis in place and factor:
+                found[axis] = (place[axis] - by.shift.get(axis, 0.0)) / factor
+    for axis in AXIS_NAMES[2:]:
+        factor = by.factors.get(axis, 1.0)
+        if axis in place and factor:
+            found[axis] = (place[axis] - by.shift.get(axis, 0.0)) / factor
+    return found
+
+
+SINGULAR = 1e-12
 
 
 def rotation(angle: float, x: float, y: float) -> Transform:
@@ -93,20 +130,32 @@ def applied(node: Node, by: Transform, place: dict[str, float]) -> Node | None:
         return None if to is None else replace(node, to=to)
     if isinstance(node, ArcTo):
         return _arc(node, by, place)
+    if isinstance(node, DrillHole):
+        axis = node.top.axis
+        if axis in by.factors or axis in by.shift or node.plane != "xy":
+            return None
+        at = _places(node.at, by, place)
+        return None if at is None else replace(node, at=at)
+    if isinstance(node, ParkAt):
+        return None if node.to else node
     return None if isinstance(node, SetFrame) else node
 
 
 def _places(places: tuple[AxisPlace, ...], by: Transform, place: dict[str, float]) -> tuple[AxisPlace, ...] | None:
     given: dict[str, float] = {}
+    relative = {one.relative for one in places}
+    if len(relative) > 1:
+        return None
+    is_relative = relative == {True}
     for one in places:
-        if one.relative or not isinstance(one.at.value, Number):
+        if not isinstance(one.at.value, Number):
             return None
         given[one.axis] = one.at.value.value * MM.get(one.at.unit, 1.0)
     if by.turned and ("x" in given) != ("y" in given):
         other = "y" if "x" in given else "x"
-        if other not in place:
+        if not is_relative and other not in place:
             return None
-        given[other] = place[other]
+        given[other] = 0.0 if is_relative else place[other]
     found = []
     unit = next((one.at.unit for one in places if one.at.unit in MM), "mm")
     span = places[0].at.value.span if places else None
@@ -115,11 +164,12 @@ def _places(places: tuple[AxisPlace, ...], by: Transform, place: dict[str, float
             continue
         if axis in "xy":
             row = by.x if axis == "x" else by.y
-            value = row[0] * given.get("x", 0.0) + row[1] * given.get("y", 0.0) + by.shift.get(axis, 0.0)
+            value = row[0] * given.get("x", 0.0) + row[1] * given.get("y", 0.0)
         else:
-            value = given[axis] * by.factors.get(axis, 1.0) + by.shift.get(axis, 0.0)
+            value = given[axis] * by.factors.get(axis, 1.0)
+        value += 0.0 if is_relative else by.shift.get(axis, 0.0)
         in_unit = unit if axis in "xyz" else "deg"
-        found.append(AxisPlace(axis, Quantity(Number(value / MM.get(in_unit, 1.0), span), in_unit)))
+        found.append(AxisPlace(axis, Quantity(Number(value / MM.get(in_unit, 1.0), span), in_unit), is_relative))
     return tuple(found)
 
 
