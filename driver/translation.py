@@ -18,7 +18,7 @@ from gproof.driver.targets import TARGETS
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
-from gproof.ir.machine import AXIS_NAMES, NO_MACHINE, Machine
+from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
 from gproof.ir.record import field, record
 from gproof.ir.rules import Function as F
@@ -29,7 +29,7 @@ from gproof.ir.translation_map import NO_MAP, TranslationMap
 from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 from gproof.ir.verdict import Verdict
 from gproof.passes.legalize.by_map import by_map
-from gproof.passes.legalize.context import Lowered, Options
+from gproof.passes.legalize.context import Lowered, Options, axes_of
 from gproof.passes.legalize.legalize import Legal, before_refusal, legalize
 from gproof.verify.translation.compare import compare
 from gproof.verify.translation.comparison import Comparison, Divergence
@@ -356,10 +356,7 @@ def terms_of(
     given = done.map
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
     spare = done.target.spare_offset if done.spare_used else 0
-    axes = frozenset(AXIS_NAMES)
-    for machine in (source, target):
-        if machine is not NO_MACHINE:
-            axes &= {axis.name for axis in machine.axes}
+    axes = frozenset(axes_of(raised(done.session)))
     return TranslationTerms(
         axes=axes,
         scratch=frozenset(f"work.{spare}.{axis}" for axis in AXIS_NAMES if spare),

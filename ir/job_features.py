@@ -189,6 +189,8 @@ def _own(node: Node) -> Iterator[str]:
         if node.top.relative or any(place.relative for place in node.at):
             yield "cycle_relative"
     elif isinstance(node, SetFrame):
+        if node.action == "scale" and {one.axis for one in node.factors} != {"x", "y"}:
+            yield "frame_scale_axis"
         yield "frame_select_axes" if node.axes else _FRAMES.get(node.action, f"frame_{node.action}")
     elif isinstance(node, SetPathMode):
         yield f"path_{node.mode}"

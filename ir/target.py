@@ -25,6 +25,7 @@ FEATURES: dict[str, str] = {
     "indirect": "variable whose number is computed",
     "system_variable": "variable that the controller sets",
     "input_value": "state of an input in an expression",
+    "operator": "operator of an expression",
     "variable": "variable",
     "expression": "expression",
     "cycle_repeats": "drilling cycle with repeats",
@@ -60,6 +61,7 @@ FEATURES: dict[str, str] = {
     "park": "parking place of the controller",
     "home": "reference run",
     "frame_rotate": "rotation of coordinates",
+    "frame_scale_axis": "scaling of one axis, or of Z",
     "frame_scale": "scaling of coordinates",
     "frame_mirror": "mirrored coordinates",
     "frame_select_axes": "work offset selected for some axes",
@@ -138,9 +140,10 @@ class Style:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Target:
-    """legal: feature -> section of the manual; variables: numbers that a program may use freely; axes: names of those
-    that programs have; path_modes: whether programs say how corners are taken; straight_rapids: rapids of several axes
-    are straight lines, None: the manual does not say; offsets: numbers of work offsets; tools: highest number;
+    """legal: feature -> section of the manual; variables: numbers that a program may use freely;
+    operators: of expressions, by the names of ``ir.rules`` UNARY and BINARY, none: its writer knows; axes: names of
+    those that programs have; path_modes: whether programs say how corners are taken; straight_rapids: rapids of several
+    axes are straight lines, None: the manual does not say; offsets: numbers of work offsets; tools: highest number;
     peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine;
     spare_offset: the work offset that zeros in machine places use, 0 for none; cycle_returns: cycles can
     end at the height before them; two_ways: a choice can have an other way, too."""
@@ -150,6 +153,7 @@ class Target:
     legal: dict[str, str] = field(repr=False)
     style: Style = Style()
     variables: tuple[int, int] = (0, -1)
+    operators: frozenset[str] = frozenset()
     axes: tuple[str, ...] = ("x", "y", "z", "a", "b", "c")
     path_modes: bool = False
     straight_rapids: bool | None = None

@@ -43,7 +43,7 @@ class TranslationTerms:
     left_out: facts (``ROW_FACTS``, ``EndState``) that one of the controllers cannot have; where they differ that is
     printed.
     silent: texts of commands to devices that need no counterpart, because they move and switch nothing.
-    axes: that both machines have: what is left in the offsets of others moves nothing.
+    axes: that the job moves: what is left in the offsets of others is not compared.
     scratch: offsets of the target that the translation itself uses (``work.9.x``): what they hold is not compared.
     machine_zero_shared: machine coordinates of both machines count from the same place.
     tool_change_waits: a wait for the operator at a tool change is compared; else a machine that changes the tool by

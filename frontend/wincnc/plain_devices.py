@@ -67,7 +67,9 @@ def _settings(body: Iterable[Statement], program: Program, calls: frozenset[str]
             yield from _settings(program.subprograms[node.name].body, program, calls | {node.name})
         elif isinstance(node, Block):
             codes = {(w.letter, w.value.value) for w in node.words if isinstance(w.value, Number)}
-            if any((l == "L" and n in _TOOL) or (l == "G" and n in _LENGTH) for l, n in codes):
+            if ("T", 0.0) not in codes and any(
+                (l == "L" and n in _TOOL) or (l == "G" and n in _LENGTH) for l, n in codes
+            ):
                 yield node
         elif isinstance(node, BlockTable):
             yield from _of_table(node, program)

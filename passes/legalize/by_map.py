@@ -26,10 +26,11 @@ from gproof.ir.job import (
     WaitFor,
 )
 from gproof.ir.machine import Machine
-from gproof.ir.program import Binary, Constant, Expr, Input, Number, Unary
+from gproof.ir.program import Constant, Expr, Input, Number
 from gproof.ir.record import field, record
 from gproof.ir.target import Target
 from gproof.ir.translation_map import TranslationMap
+from gproof.passes.legalize.expressions import with_expressions
 
 
 @record(slots=True, kw_only=True)
@@ -74,32 +75,22 @@ class _Mapper:
     def node(self, node: Node) -> Node:
         """One operation, and what is within it."""
         try:
+            node = with_expressions(node, self.value)
             if isinstance(node, Choice):
-                condition = self.inputs(node.condition)
-                return replace(
-                    node, condition=condition, then=self.body(node.then), otherwise=self.body(node.otherwise)
-                )
-            if isinstance(node, LoopWhile):
-                return replace(node, condition=self.inputs(node.condition), body=self.body(node.body))
-            if isinstance(node, OptionalPart | CountLoop | RepeatGrid):
+                return replace(node, then=self.body(node.then), otherwise=self.body(node.otherwise))
+            if isinstance(node, OptionalPart | CountLoop | LoopWhile | RepeatGrid):
                 return replace(node, body=self.body(node.body))
             return self._own(node)
         except _Refused as refused:
             construct, why = refused.args
             return NotRaised(construct=construct, why=why, span=node.span)
 
-    def inputs(self, expr: Expr) -> Expr:
-        """An expression with the target's inputs and outputs."""
+    def value(self, expr: Expr) -> Expr:
+        """A part of an expression: inputs and outputs of the target, and names of constants as their values."""
         if isinstance(expr, Input) and expr.kind in {"input", "output"}:
             table = "inputs" if expr.kind == "input" else "outputs"
             return replace(expr, number=self.number(expr.number, table, expr.kind))
-        if isinstance(expr, Constant):
-            return Number(expr.value, expr.span)
-        if isinstance(expr, Unary):
-            return replace(expr, operand=self.inputs(expr.operand))
-        if isinstance(expr, Binary):
-            return replace(expr, left=self.inputs(expr.left), right=self.inputs(expr.right))
-        return expr
+        return Number(expr.value, expr.span) if isinstance(expr, Constant) else expr
 
     def _own(self, node: Node) -> Node:
         if isinstance(node, SwitchOutput):

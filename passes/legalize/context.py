@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,6 @@ from gproof.ir.job import (
     ArcTo,
     AxisPlace,
     ChangeTool,
-    Choice,
     CountLoop,
     DrillHole,
     HomeAxes,
@@ -77,6 +78,13 @@ class Zero:
     places: Mapping[str, float] = field(default_factory=dict)
 
 
+_KNOWN = (
+    "values", "place", "spindle", "coolant", "switched", "turns", "program_place", "zero", "local_off", "kept", "local",
+    "suspended", "remembered", "moved",
+)  # fmt: skip
+"""What a context knows at a place."""
+
+
 class TooLong(Exception):
     """More operations than MOST_OPERATIONS."""
 
@@ -132,6 +140,34 @@ class Context:
             self.program_place = place
         return found
 
+    # ---- the ways of a choice
+
+    def snapshot(self) -> dict[str, Any]:
+        """What is known here, to come back to."""
+        return {name: copy(getattr(self, name)) for name in _KNOWN}
+
+    def restore(self, known: dict[str, Any]) -> None:
+        """Back to what was known."""
+        for name, value in known.items():
+            setattr(self, name, copy(value))
+
+    def join(self, other: dict[str, Any]) -> None:
+        """What is known where two ways meet: what both know."""
+        for known in (self.values, self.place):
+            there = other["values" if known is self.values else "place"]
+            for key in [key for key, value in known.items() if there.get(key) != value]:
+                del known[key]  # type: ignore[arg-type]
+        self.spindle = self.spindle if self.spindle == other["spindle"] else ""
+        self.coolant = self.coolant or other["coolant"]
+        self.switched |= other["switched"]
+        self.moved |= other["moved"]
+        self.program_place = {}
+        if any(getattr(self, name) != other[name] for name in ("zero", "local_off", "kept")):
+            self.forget_zero()
+        for name in ("local", "suspended", "remembered"):
+            if getattr(self, name) != other[name]:
+                setattr(self, name, None)
+
     # ---- values
 
     def value(self, expr: Expr) -> float | None:
@@ -182,7 +218,7 @@ class Context:
                 self.spindle = "off"
         elif isinstance(node, RunRoutine):
             self.forget(self.job.routines[node.name].body)
-        elif isinstance(node, Choice | LoopWhile | CountLoop | OptionalPart | RepeatGrid):
+        elif isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid):
             self.forget((node,))
 
     def _after_frame(self, node: SetFrame) -> None:
@@ -281,12 +317,16 @@ class Context:
         else:
             self.values[round(number)] = value
 
+    def forget_zero(self) -> None:
+        """Which zero is in force is not known, nor what was kept."""
+        self.zero, self.local_off, self.kept = Zero(), False, {}
+
     def forget(self, body: Nodes) -> None:
         """What these operations may change is not known after them: places, and variables that they write."""
         self.place = {}
         for node in self._all(body, set()):
             if isinstance(node, SetFrame):
-                self.zero, self.local_off, self.kept = Zero(), False, {}
+                self.forget_zero()
                 if node.action.startswith(("local", "zero")):
                     self.local = None
             if isinstance(node, SetVariable):

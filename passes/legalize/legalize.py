@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 
@@ -40,7 +39,8 @@ from gproof.ir.job import (
     used_routines,
     walk,
 )
-from gproof.ir.job_features import features, row_features
+from gproof.ir.job_features import expressions, features, parts_of_expression, row_features
+from gproof.ir.program import Binary, Number, Unary
 from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
 from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
@@ -158,6 +158,8 @@ class _Legalizer:
     def missing(self, node: Node) -> list[str]:
         """Features that the target does not have, the highest first."""
         found = {feature for feature in features(node) if feature not in self.target.legal}
+        if self.target.operators and self._has_operator(node):
+            found.add("operator")
         if isinstance(node, RunRoutine) and "variable" not in self.target.legal and self._is_computed(node):
             found.add("routine_arguments")
         if isinstance(node, RunRoutine) and (self._moves_zero(node) or self.context.transform != SAME):
@@ -171,6 +173,13 @@ class _Legalizer:
             if own is not None and given is not None and abs(given - own) < SAME_CLEARANCE:
                 found.discard("cycle_clearance")
         return sorted(found, key=lambda feature: -RANK[feature])
+
+    def _has_operator(self, node: Node) -> bool:
+        """Whether an expression has an operator that the target's expressions do not have."""
+        return any(
+            isinstance(part, Unary | Binary) and part.operator not in self.target.operators
+            for expr in expressions(node) if not isinstance(expr, Number) for part in parts_of_expression(expr)
+        )  # fmt: skip
 
     def _is_computed(self, node: RunRoutine) -> bool:
         """Whether a routine works with variables, so that each of its runs is another list of moves."""
@@ -264,17 +273,13 @@ class _Legalizer:
             return node
         before = self.context
         if isinstance(node, Choice):
-            values, place, turns = dict(before.values), dict(before.place), dict(before.turns)
+            entry = before.snapshot()
             then = self.body(node.then)
-            after = dict(before.values), dict(before.place)
-            turned, before.turns = before.turns, turns
-            before.values, before.place = values, place
-            # LOCAL
+            after = before.snapshot()
+            before.restore(entry)
             otherwise = self.body(node.otherwise)
-            before.local = left if left == before.local else None
-            before.values = _same(after[0], before.values)
-            before.place = _same(after[1], before.place)
-            before.program_place = {}
+            turned: dict[str, Transform] = after["turns"]
+            before.join(after)
             self._same_turns(turned, node)
             return replace(node, then=then, otherwise=otherwise)
         assert isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid)
@@ -291,13 +296,6 @@ class _Legalizer:
         if {k: t for k, t in turns.items() if t != SAME} != {k: t for k, t in self.context.turns.items() if t != SAME}:
             why = "it is switched in a loop or on one way of a choice"
             self.refused.append(NotLegal("rotation, scaling or mirror", why, node.span))
-
-
-K = TypeVar("K")
-
-
-def _same(left: dict[K, float], right: dict[K, float]) -> dict[K, float]:
-    return {key: value for key, value in left.items() if right.get(key) == value}
 
 
 def _runs(body: Nodes) -> list[RunRoutine]:

@@ -64,7 +64,7 @@ SAME = Transform()
 
 def before(by: Transform, place: dict[str, float]) -> dict[str, float]:
     """Where a program is whose place behind a transform is ``place``."""
-    found = {}
+    found: dict[str, float] = {}
     if "x" in place and "y" in place:
         matrix = np.array([by.x, by.y])
         at = np.array([place["x"] - by.shift.get("x", 0.0), place["y"] - by.shift.get("y", 0.0)])

@@ -3,6 +3,7 @@
 Left out is what changes nothing:
 
 - a spindle, coolant or output command that repeats the state in force: the device gets the command that it has;
+- a tool that is said twice with nothing in between: it is in the spindle then;
 - a speed for a spindle that rests: the start of the spindle has the speed in force then;
 - rows that only say what the rows of moves have in their state and in their numbers (offsets, units, plane, path mode,
   guards, overrides), and messages, which move and switch nothing; a question ends its section and is compared there.
@@ -115,7 +116,8 @@ class EventReader:
             self._set(self.side.trace.texts[text], first, second, at, place)
         elif op == Op.TOOL_CHANGE:
             number = first if math.isnan(first) else float(self.side.tools.get(int(first), int(first)))
-            self._add("tool", (number,), at, place)
+            if not (self.found and self.found[-1][:3] == ("tool", (number,), at)):
+                self._add("tool", (number,), at, place)
         elif op == Op.INPUT_WAIT:
             if not math.isnan(second):
                 self._add("input", (float(self.side.inputs.get(int(first), int(first))), second), at, place)

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from gproof.ir.target import Style, Target
 
+# 3.2.2.3 and 3.2.2.4, under the names of ir/rules.py.
+OPERATORS = (
+    "neg", "pos", "abs", "acos", "asin", "atan", "cos", "exp", "fix", "fup", "int", "ln", "round", "sin", "sqrt", "tan",
+    "not", "+", "-", "*", "/", "**", "mod", "and", "or", "xor", ">", ">=", "<", "<=", "==", "<>", "<<", ">>",
+)  # fmt: skip
+
 TARGET = Target(
     name="eding",
     title="Eding CNC",
@@ -32,6 +38,7 @@ TARGET = Target(
     },
     style=Style(extension=".cnc"),
     variables=(1, 3999),
+    operators=frozenset(OPERATORS),
     path_modes=True,
     straight_rapids=True,
     peck_clearance=0.254,

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from gproof.ir.finding import Span
 from gproof.ir.job import AxisPlace, Node, Quantity, SetFrame
+from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
 from gproof.passes.legalize.context import Context, Zero
 from gproof.passes.legalize.pattern import Pattern
@@ -66,8 +67,8 @@ def put(wanted: Zero, context: Context, span: Span) -> list[Node] | None:
     number = Number(float(spare), span)
     places = tuple(
         AxisPlace(axis, Quantity(Number(wanted.places[axis], span), "mm" if axis in "xyz" else "deg"))
-        for axis in context.axes
-    )
+        for axis in AXIS_NAMES if axis in wanted.places and (axis in context.axes or axis in context.target.axes)
+    )  # fmt: skip
     store = SetFrame(action="store", number=number, places=places, span=span)
     return [*off, store, SetFrame(action="select", number=number, span=span)]
 

@@ -63,6 +63,6 @@ def unrolled(node: Node, feature: str, context: Context) -> list[Node] | None:
 PATTERNS = (
     Pattern(name="counted loop -> loop with a condition", removes=("count_loop",), apply=counted),
     Pattern(name="counted loop -> its passes", removes=("count_loop",), apply=unrolled_count, unrolls=True),
-    Pattern(name="condition at the end -> at the start", removes=("repeat",), apply=first_pass),
+    Pattern(name="condition at the end -> at the start", removes=("repeat",), apply=first_pass, unrolls=True),
     Pattern(name="loop -> its passes", removes=("while", "variable", "expression"), apply=unrolled, unrolls=True),
 )

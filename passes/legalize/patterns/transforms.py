@@ -44,7 +44,7 @@ def _made(node: SetFrame, about: dict[str, float | None], context: Context) -> T
 
 PATTERNS = (
     Pattern(
-        name="rotation, scaling, mirroring -> numbers", removes=("frame_rotate", "frame_scale", "frame_mirror"),
-        apply=into_numbers,
+        name="rotation, scaling, mirroring -> numbers", apply=into_numbers,
+        removes=("frame_rotate", "frame_scale_axis", "frame_scale", "frame_mirror"),
     ),
 )  # fmt: skip
