@@ -6,7 +6,6 @@ from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.patterns import (
     arcs,
     choices,
-    compensation,
     constants,
     cycles,
     devices,
@@ -38,7 +37,6 @@ PATTERNS: tuple[Pattern, ...] = (
     *frames.PATTERNS,
     *places.PATTERNS,
     *paths.PATTERNS,
-    *compensation.PATTERNS,
     *local_offsets.PATTERNS,
     *devices.PATTERNS,
     *machine_moves.PATTERNS,

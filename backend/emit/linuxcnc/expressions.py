@@ -15,6 +15,8 @@ BINARY = {
     "+": "+", "-": "-", "*": "*", "/": "/", "**": "**", "mod": "MOD", "and": "AND", "or": "OR", "xor": "XOR",
     "==": "EQ", "<>": "NE", ">": "GT", ">=": "GE", "<": "LT", "<=": "LE",
 }  # fmt: skip
+DEGREES = "57.29577951308232"
+"""Of a radian: angles of functions are degrees (Overview, Functions)."""
 FUNCTIONS = frozenset("abs acos asin cos exp fix fup ln round sin sqrt tan".split())
 
 Naming = Callable[[int], int]
@@ -42,6 +44,16 @@ def _unary(node: Unary, naming: Naming) -> str:
         return f"{node.operator.upper()}[{within}]"
     if node.operator == "atan":
         return f"ATAN[{within}]/[1]"
+    if node.operator in ("rsin", "rcos", "rtan"):
+        return f"{node.operator[1:].upper()}[{_operand(node.operand, naming)} * {DEGREES}]"
+    if node.operator in ("rasin", "racos"):
+        return f"{node.operator[1:].upper()}[{within}] / {DEGREES}"
+    if node.operator == "ratan":
+        return f"ATAN[{within}]/[1] / {DEGREES}"
+    if node.operator == "sqr":
+        return f"{_operand(node.operand, naming)} ** 2"
+    if node.operator == "bool":
+        return f"{_operand(node.operand, naming)} NE 0"
     if node.operator == "neg":
         return f"0 - {_operand(node.operand, naming)}"
     if node.operator == "pos":

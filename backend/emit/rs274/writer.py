@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from gproof.backend.emit.job_numbers import decimals_of, factor, text_of
 from gproof.backend.emit.job_writer import JobWriter
 from gproof.backend.emit.printer import Unprintable
@@ -120,7 +122,14 @@ class Rs274Writer(JobWriter):
     def words(self, places: tuple[AxisPlace, ...]) -> list[str]:
         """Axis words."""
         ordered = sorted(places, key=lambda place: AXIS_NAMES.index(place.axis))
+        for place in ordered:
+            self.check_axis(AXIS_NAMES.index(place.axis))
         return [f"{place.axis.upper()}{self.amount(place.at)}" for place in ordered]
+
+    def check_axis(self, column: int) -> None:
+        """Unprintable for an axis that the target does not have."""
+        if not self.axes[column]:
+            raise Unprintable(f"axis {AXIS_NAMES[column].upper()}")
 
     # ---- modes
 
@@ -190,6 +199,8 @@ class Rs274Writer(JobWriter):
 
     def moves(self, node: Moves) -> None:
         """A table; the words of modes are on its first line."""
+        for column in np.flatnonzero([(node.rows["axes"] & np.uint8(1 << n)).any() for n in range(len(AXIS_NAMES))]):
+            self.check_axis(int(column))
         if self.state.get("cycle") is not None:
             self.line("G80")
             self.state["cycle"], self.state["motion"] = None, None

@@ -21,7 +21,7 @@ TARGET = Target(
         "machine_move": _LIST, "park": _LIST, "frame_store": _LIST, "frame_store_here": _LIST, "frame_select": _LIST,
         "frame_local_here": _LIST, "frame_local_off": _LIST, "length": _LIST, "tool_select": "Supported G-Codes, T",
         "spindle_speed": "Supported G-Codes, S", "spindle": _LIST, "flood": _LIST, "dwell": _LIST, "stop": _LIST,
-        "feed_alone": "Supported G-Codes, F", "straight": _LIST, "rapid": _LIST, "end": _LIST, "end_reset": _LIST,
+        "feed_alone": "Supported G-Codes, F", "straight": _LIST, "rapid": _LIST, "end": _LIST, "end_reset": _LIST, "end_rests": _LIST,
         "comment": "Interface, Comments",
     },
     style=Style(extension=".nc", decimals_mm=4, line_length=70),
@@ -29,5 +29,6 @@ TARGET = Target(
     path_modes=False,
     straight_rapids=True,
     offsets=6,
+    spare_offset=6,
     tools=255,
 )  # fmt: skip
