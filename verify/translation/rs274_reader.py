@@ -26,6 +26,8 @@ __all__ = ["GRBL", "LINUXCNC", "Language", "ReadBack", "read_back"]
 
 MOST_STEPS = 2_000_000
 """Lines that are run before the answer is UNKNOWN: loops of a translation end."""
+TIME_IS_OVER = "[#5399EQ-1]"
+"""The condition of what M66 leaves when its time is over."""
 DEEPEST = 40
 """Calls within calls."""
 
@@ -155,6 +157,8 @@ class _Reader:
             elif step.kind == "while":
                 while self._holds(step):
                     self._steps(step.body)
+            elif step.kind == "do" and self._waits(step):
+                continue
             elif step.kind == "do":
                 self._steps(step.body)
                 while self._holds(step):
@@ -163,6 +167,15 @@ class _Reader:
                 self._call(step)
             else:
                 raise _Left
+
+    def _waits(self, step: Step) -> bool:
+        """Whether a loop is M66, as long as its time is over: a wait without a limit (M-Codes M66)."""
+        if "".join(step.text.split()).upper() != TIME_IS_OVER or [one.kind for one in step.body] != ["line"]:
+            return False
+        inner = step.body[0]
+        if inner.text.startswith("#"):
+            return False
+        return self.now.wait_for_ever(words_of(inner.text, self.language, self.variables), inner.first)
 
     def _holds(self, step: Step) -> bool:
         self.at = step.first
@@ -251,8 +264,6 @@ class _Reader:
             return False
         fed = values[:, 11]
         named = np.maximum.accumulate(np.where(np.isnan(fed), -1, np.arange(len(fed))))
-        if now.state.retimed and (named >= 0).any():
-            return False
         feed = np.where(named >= 0, fed[np.maximum(named, 0)], now.feed)
         lines = np.arange(first, first + len(values))
         zero = [now.zeros.zero(axis) for axis in range(6)]

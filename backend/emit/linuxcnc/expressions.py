@@ -1,5 +1,8 @@
 """Expressions as LinuxCNC text: brackets around each operation within another one.
 
+MOD is never negative and FIX rounds down: they stand for operations that go towards zero, and the same values come of
+that only where none is negative; the comparison of the whole translation says whether it is so.
+
 Source: LinuxCNC user manual, G-Code Overview: Expressions, Binary Operators, Functions, Parameters.
 """
 
@@ -13,6 +16,7 @@ from gproof.ir.program import Binary, Constant, Expr, Number, Unary, Variable
 
 BINARY = {
     "+": "+", "-": "-", "*": "*", "/": "/", "**": "**", "mod": "MOD", "and": "AND", "or": "OR", "xor": "XOR",
+    "rem": "MOD",
     "==": "EQ", "<>": "NE", ">": "GT", ">=": "GE", "<": "LT", "<=": "LE",
 }  # fmt: skip
 DEGREES = "57.29577951308232"
@@ -33,6 +37,8 @@ def inside(node: Expr, naming: Naming) -> str:
         return _unary(node, naming)
     if isinstance(node, Binary) and node.operator == "atan":
         return f"ATAN[{inside(node.left, naming)}]/[{inside(node.right, naming)}]"
+    if isinstance(node, Binary) and node.operator == "div":
+        return f"FIX[{_operand(node.left, naming)} / {_operand(node.right, naming)}]"
     if isinstance(node, Binary) and node.operator in BINARY:
         return f"{_operand(node.left, naming)} {BINARY[node.operator]} {_operand(node.right, naming)}"
     raise Unprintable("an operation that LinuxCNC does not have")
@@ -50,6 +56,8 @@ def _unary(node: Unary, naming: Naming) -> str:
         return f"{node.operator[1:].upper()}[{within}] / {DEGREES}"
     if node.operator == "ratan":
         return f"ATAN[{within}]/[1] / {DEGREES}"
+    if node.operator in ("int", "trunc"):
+        return f"FIX[{within}]"
     if node.operator == "sqr":
         return f"{_operand(node.operand, naming)} ** 2"
     if node.operator == "bool":

@@ -37,6 +37,8 @@ from gproof.ir.program import Expr, Number, Text, Variable
 from gproof.ir.target import Style, Target
 
 FIRST_LABEL = 101
+LONG_WAIT = 3600
+"""Seconds of one M66 of a wait without a limit."""
 _ACTIVE = re.compile(r"\s*(msg|debug|print|log\w*|probe\w*|py|abort)\b", re.IGNORECASE)
 """Comments that LinuxCNC acts on (Overview, Comments, Messages, Probe Logging)."""
 
@@ -179,14 +181,26 @@ class LinuxcncWriter(Rs274Writer):
         self.flush()
 
     def wait(self, node: WaitFor) -> None:
-        """M66 P L Q: L3 until it is on, L4 until it is off (M-Codes)."""
+        """M66 P L Q: L3 until it is on, L4 until it is off; #5399 is -1 when the time is over (M-Codes)."""
+        if node.on is None:
+            raise Unprintable("an input that is read")
         if node.timeout is None:
-            raise Unprintable("a wait for an input without a time limit")
+            self._wait_for_ever(node)
+            return
         limit = self.scaled(node.timeout.value, 0.001) if node.timeout.unit == "ms" else node.timeout.value
         self.flush()
         words = ["M66", f"P{self.expression(node.channel)}", "L3" if node.on else "L4", f"Q{self.expression(limit)}"]
         self.put(OUTPUT, words, node.span)
         self.flush()
+
+    def _wait_for_ever(self, node: WaitFor) -> None:
+        """The same again and again: M66 always has a limit."""
+        label = self.next_label
+        self.next_label += 1
+        self.line(f"o{label} do")
+        blanks = " " * self.style.indent
+        self.line(f"{blanks}M66 P{self.expression(node.channel)} {'L3' if node.on else 'L4'} Q{LONG_WAIT}")
+        self.line(f"o{label} while [#5399 EQ -1]")
 
     def path(self, node: SetPathMode) -> None:
         """G61, G61.1, G64 P Q0: without Q0, P would be the tolerance of its filter too (G-Codes G64)."""

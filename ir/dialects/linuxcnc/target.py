@@ -4,8 +4,7 @@
 What it has, and is not in the table because it is not the same thing on every machine or not surely the same path:
 peck cycles (their clearance is a setting of the controller from 2.10 on, with other defaults), boring that feeds out
 (G85 and G89 feed up to the height of G98, other controllers only to R), tapping (it follows the
-spindle's encoder), cutter compensation (its entry moves are its own), reading an input (it goes into #5399, once for
-all), waiting without a time limit.
+spindle's encoder), cutter compensation (its entry moves are its own).
 """
 
 from __future__ import annotations
@@ -29,12 +28,14 @@ TARGET = Target(
         "frame_local_off": "G-Codes G92.1", "frame_local_suspend": "G-Codes G92.2",
         "frame_local_restore": "G-Codes G92.3", "path_continuous": "G-Codes G64", "path_tolerance": "G-Codes G64",
         "path_exact_path": "G-Codes G61", "path_exact_stop": "G-Codes G61.1", "length": "G-Codes G43 G49",
-        "tool_select": "M-Codes T", "tool_change": "M-Codes M6", "tool_change_rests": "M-Codes M6", "spindle_speed": "M-Codes S",
+        "tool_select": "M-Codes T", "tool_change": "M-Codes M6", "tool_change_rests": "M-Codes M6",
+        "spindle_speed": "M-Codes S",
         "spindle": "M-Codes M3 M4 M5", "mist": "M-Codes M7", "flood": "M-Codes M8", "output": "M-Codes M62-M65",
-        "output_moving": "M-Codes M62-M65", "wait_timeout": "M-Codes M66", "dwell": "G-Codes G4",
+        "output_moving": "M-Codes M62-M65", "wait": "M-Codes M66", "wait_timeout": "M-Codes M66", "dwell": "G-Codes G4",
         "stop": "M-Codes M0 M1", "optional_stop": "M-Codes M0 M1", "overrides": "M-Codes M48 M49",
         "message": "Overview, Messages", "feed_alone": "Overview, F", "straight": "G-Codes G1", "rapid": "G-Codes G0",
-        "end": "M-Codes M2 M30", "end_reset": "M-Codes M2 M30", "end_rests": "M-Codes M2 M30", "comment": "Overview, Comments",
+        "end": "M-Codes M2 M30", "end_reset": "M-Codes M2 M30", "end_rests": "M-Codes M2 M30",
+        "comment": "Overview, Comments",
     },
     style=Style(extension=".ngc", line_length=255),
     variables=(31, 5000),

@@ -15,7 +15,7 @@ import numpy as np
 
 from gproof.ir.drives import AXIS_NAMES
 from gproof.ir.end_state import EndState, Left
-from gproof.ir.trace import OTHER_UNIT, UNKNOWN, Op, PathMode, State, Wait
+from gproof.ir.trace import UNKNOWN, Op, PathMode, State, Wait
 from gproof.verify.translation.rs274 import drilling
 from gproof.verify.translation.rs274.language import Language, Unread
 from gproof.verify.translation.rs274.moves import Manner, go, length_of
@@ -49,7 +49,6 @@ class Controller:
         self.series = drilling.Series()
         self.first_hole = True
         self.feed = NAN
-        self.fed_unit = 1.0
         self.speed = NAN
         self.direction = 0
         self.coolant = (0.0, 0.0)
@@ -137,9 +136,7 @@ class Controller:
         unit = {200: 25.4, 210: 1.0}.get(words.g.get("unit", 0), self.unit)
         if unit != self.unit and self.per != 93:
             raise Unread("F in the line of a new unit")
-        self.feed, self.fed_unit = feed, self.unit or NAN
-        if self.state.retimed:
-            self.now(retimed=())
+        self.feed = feed
 
     def _speed(self, words: Words, line: int) -> None:
         """S, T."""
@@ -160,21 +157,28 @@ class Controller:
         if code is None:
             return
         channel = words.need("P", f"M{code // 10}")
-        if channel != round(channel) or channel < 0:
-            raise Unread(f"the channel {channel:g}")
         if code == 660:
-            self._wait_input(words, channel, line)
+            self._wait_input(words, channel, line, "come or timed out")
             return
+        _check_channel(channel)
         moving = code in (620, 630)
         self.waits_for_motion |= moving
         self.event(Op.OUTPUT, line, channel, float(code in (620, 640)), text=int(moving))
 
-    def _wait_input(self, words: Words, channel: float, line: int) -> None:
+    def wait_for_ever(self, words: Words, line: int) -> bool:
+        """Whether a line that is repeated until its time is not over is M66 alone; then it has waited."""
+        if words.g or words.m != {"output": 660} or set(words.values) != set("PLQ"):
+            return False
+        self._wait_input(words, words.need("P", "M66"), line, "come")
+        return True
+
+    def _wait_input(self, words: Words, channel: float, line: int, outcome: str) -> None:
         mode, limit = words.need("L", "M66"), words.need("Q", "M66")
+        _check_channel(channel)
         if mode not in (3.0, 4.0) or limit <= 0.0:
             raise Unread(f"M66 L{mode:g} Q{limit:g}")
         self.event(Op.INPUT_WAIT, line, channel, float(mode == 3.0))
-        self.rows.wait(Wait.INPUT, "come or timed out", line)
+        self.rows.wait(Wait.INPUT, outcome, line)
 
     def _change(self, words: Words, line: int) -> None:
         """M6: the spindle stops, and the operator changes the tool (M-Codes M6)."""
@@ -218,7 +222,6 @@ class Controller:
             if self.unit is not None and unit != self.unit and not math.isnan(self.feed) and self.per != 93:
                 # The speed stays what it was; its number is another one by now.
                 self.feed *= self.unit / unit
-                self.now(retimed=(OTHER_UNIT,))
             self.unit = unit
         if "compensation" in words.g:
             self.compensated = False
@@ -472,3 +475,8 @@ class Controller:
         """What comes now is not known."""
         self.rows.forms = self._forms([UNKNOWN] * len(AXES))
         self.rows.end(Wait.UNKNOWN, found.why, found.line or line)
+
+
+def _check_channel(channel: float) -> None:
+    if channel != round(channel) or channel < 0:
+        raise Unread(f"the channel {channel:g}")
