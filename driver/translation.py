@@ -94,7 +94,7 @@ def translate(wanted: Wanted) -> Translation:
         return done
     machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
     if entry.adapted is not None:
-        done.target = target = entry.adapted(target, machine_to)
+        done.target = target = entry.adapted(target, machine_to, wanted.machine_to or wanted.machine)
     given = wanted.given or _map(wanted.map)
     legal = legal_job(session, target, machine_to, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
@@ -274,7 +274,12 @@ DEVICES = frozenset((
 
 def _own_devices(program: Program, done: Translation) -> Program:
     """The program without its machine's macros for tool changes, spindle and coolant: each machine has its own."""
-    program = DIALECTS[program.dialect].frontend.plain_devices(program)
+    plain = DIALECTS[program.dialect].frontend.plain_devices(program)
+    if any(one is not two and one != two for one, two in zip(plain.body, program.body, strict=True)):
+        text = "what each machine's own macros do besides at a tool change, spindle or coolant code is right"
+        if text not in done.assumed:
+            done.assumed.append(text)
+    program = plain
     codes_of = program.rules.codes
     kept = {
         code: name for code, name in program.overrides.items()

@@ -11,13 +11,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
-from gproof.frontend.common.source import UTF8_MARK, decode
+from gproof.frontend.common.source import UTF8_MARK, decode, read_source
+from gproof.frontend.wincnc.file_names import MACRO_FILE
 from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import LINE_NUMBERS
-from gproof.ir.dialects.wincnc.settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical, wincnc_settings
 from gproof.ir.finding import Findings, Related, Span
+from gproof.ir.machine import Machine
 from gproof.ir.program import SourceFile
 from gproof.ir.record import record
 
@@ -63,6 +66,15 @@ def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> tup
     for macro in each_macro(source, findings, lexical, unread):
         macros.setdefault(macro.name, macro)
     return macros, unread
+
+
+def names_next_to(path: Path, machine: Machine) -> frozenset[str] | None:
+    """The names that CNC.MAC next to a machine file defines; None where there is none, or a line may define another."""
+    found = next((one for one in path.parent.iterdir() if one.name.lower() == MACRO_FILE), None)
+    if found is None:
+        return None
+    macros, unread = read_macros(read_source(found, dos=True), Findings(), wincnc_settings(machine).lexical)
+    return None if unread else frozenset(name for name, macro in macros.items() if macro.text)
 
 
 def each_macro(

@@ -1,6 +1,7 @@
-"""A program without its machine's macro for tool changes: what stays is that the tool is changed, and its length.
+"""A program without what its machine's macros do besides at codes of devices: at ``M6`` the tool is changed, and its
+length counts; at ``M3``, ``M4``, ``M5`` the spindle is switched, at ``M7``, ``M8``, ``M9`` coolant.
 
-For comparing programs of two machines, each of which changes tools in its own way (CNC.MAC, ``M6=``).
+For comparing programs of two machines, each of which does these in its own way (CNC.MAC).
 """
 
 from __future__ import annotations
@@ -26,8 +27,11 @@ from gproof.ir.program import (
 )
 
 _CHANGE = re.compile(r"[ \t]*M0*6(?![0-9.])", re.IGNORECASE)
+_DEVICE = re.compile(r"[ \t]*M0*[345789](?![0-9.])", re.IGNORECASE)
 _TOOL = frozenset((101.0, 102.0, 110.0, 120.0))
 """L codes that say which tool is in a spindle (Command Reference, L Codes)."""
+_SWITCHES = (11.0, 12.0, 13.0, 14.0)
+_QUIET = frozenset(("M", number) for number in (*_SWITCHES, 17.0, 18.0))
 _LENGTH = frozenset((43.0, 49.0))
 
 
@@ -52,12 +56,59 @@ def _of(node: Statement, program: Program) -> Statement:
             kept = [_with(block, tool) for block in _settings(node.body, program, frozenset())]
             change = Device(name="own_tool_change", arguments=(tool,), span=node.span)
             return replace(node, body=(*kept, change))
+    if isinstance(node, Replaced) and _DEVICE.match(node.written):
+        switches = device_switches(node.body, program)
+        if switches is not None:
+            return replace(node, body=switches)
     changed: dict[str, Any] = {}
     for name in ("then", "otherwise", "body"):
         inner = getattr(node, name, None)
         if isinstance(inner, tuple) and inner and not isinstance(node, BlockTable | Block):
             changed[name] = _plain(inner, program)
     return replace(node, **changed) if changed else node
+
+
+def device_switches(body: Iterable[Statement], program: Program) -> tuple[Block, ...] | None:
+    """The lines that switch spindle and coolant, of a macro that only switches outputs and waits; None of another."""
+    outputs = program.spindle_outputs
+    devices = {*outputs.forward, *outputs.backward, *outputs.coolant}
+    found: list[Block] = []
+    try:
+        for node in _lines(body, program, frozenset()):
+            words = {word.letter: word.value.value for word in node.words if isinstance(word.value, Number)}
+            if words.get("C") in devices and words.get("M") in _SWITCHES:
+                found.append(node)
+    except _OtherError:
+        return None
+    return tuple(found) or None
+
+
+class _OtherError(Exception):
+    """A line that does more than to switch outputs, or to wait."""
+
+
+def _lines(body: Iterable[Statement], program: Program, calls: frozenset[str]) -> Iterator[Block]:
+    """The lines of a macro and of the files that it calls; _OtherError."""
+    for node in body:
+        if (
+            isinstance(node, Call)
+            and not node.arguments
+            and node.name in program.subprograms
+            and node.name not in calls
+        ):
+            yield from _lines(program.subprograms[node.name].body, program, calls | {node.name})
+        elif isinstance(node, Block) and not node.texts and _is_quiet(node):
+            yield node
+        else:
+            raise _OtherError
+
+
+def _is_quiet(node: Block) -> bool:
+    codes = [(w.letter, w.value.value) for w in node.words if w.letter in "GLM" and isinstance(w.value, Number)]
+    others = {word.letter for word in node.words} - {"G", "M"}
+    if codes == [("G", 4.0)]:
+        return others == {"X"}
+    return len(codes) == 1 and codes[0] in _QUIET and others == {"C"}
 
 
 def _settings(body: Iterable[Statement], program: Program, calls: frozenset[str]) -> Iterator[Block]:

@@ -18,6 +18,7 @@ from gproof.frontend.wincnc import raising_cycles as cycles
 from gproof.frontend.wincnc import raising_devices as devices
 from gproof.frontend.wincnc import raising_frames as frames
 from gproof.frontend.wincnc import raising_motion as motion
+from gproof.frontend.wincnc.plain_devices import device_switches
 from gproof.frontend.wincnc.raising_feeds import after_table, say_feeds, table_feeds, unknown
 from gproof.frontend.wincnc.raising_line import Command, LineRaiser
 from gproof.ir.columns import Array as Numbers
@@ -102,6 +103,8 @@ WHY = {
     F.CONDITION: "a state that only this controller has",
 }
 """Why a command has no form in a Job; others are something that only this controller has."""
+DEVICES = ("M3", "M4", "M5", "M7", "M8", "M9")
+"""Codes of the spindle and coolant on other controllers, which shops define (Macro File Configuration)."""
 JOB = ""
 
 
@@ -312,7 +315,13 @@ class WinCncRaiser(LineRaiser):
     def _replaced(self, node: Replaced) -> list[Node]:
         """A tool change that the shop defines is one; else what stands in CNC.MAC."""
         given = {word.letter: word.value for word in node.line.words} if node.line is not None else {}
-        is_change = devices.name_of(node) == "M6" and "T" in given
+        name = devices.name_of(node)
+        if name in DEVICES:
+            # What the shop's macro does besides is its machine's own: it waits, or switches what belongs to it.
+            switches = device_switches(node.body, self.program)
+            if switches is not None:
+                return self.statements(switches)
+        is_change = name == "M6" and "T" in given
         if not is_change or not devices.changes_tool(node.body, self.program):
             return devices.inlined(self.statements(node.body), self.routines)
         number = self.expression(given["T"], "M6")

@@ -18,6 +18,7 @@ from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.wincnc.feeds import feed_groups, forget_feeds, needs_feed
 from gproof.backend.emit.wincnc.tables import table_text
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
+from gproof.ir.dialects.wincnc.target import NUMBER_ALONE
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     LENGTHS,
@@ -372,7 +373,12 @@ class WinCncWriter(JobWriter):
         """M6 T of CNC.MAC."""
         if not node.change or node.number is None:
             raise Unprintable("a tool that is selected before its change")
-        self.command(node.span, "M6", f"T{text_of(number(node.number), 0)}")
+        tool = text_of(number(node.number), 0)
+        if self.target.legal["tool_change"] == NUMBER_ALONE:
+            self.say("G4", self.comment(f"insert tool {tool}"))
+            self.command(node.span, "L110", f"T{tool}")
+            return
+        self.command(node.span, "M6", f"T{tool}")
         self.state.pop("relative", None) if "relative" not in self.constant else None
         self.state["motion"] = None
 

@@ -22,9 +22,9 @@ TARGET = Target(
         "frame_rotate": "G Codes: G52, G50", "frame_local_here": "G Codes: G92", "frame_zero_at": "G Codes: G92.1",
         "frame_zero_shift": "G Codes: G92.2", "frame_zero_keep": "G Codes: G92.3; L Codes: L92",
         "frame_zero_recall": "G Codes: G92.3; L Codes: L92", "length": "G Codes: G43, G49",
-        "tool_change": "Macro File Configuration", "spindle": "Macro File Configuration",
-        "spindle_speed": "Parameters in [Brackets]: S", "mist": "Macro File Configuration",
-        "flood": "Macro File Configuration", "output": "M Codes: M11, M12", "output_moving": "M Codes: M13, M14",
+        "tool_change": "Macro File Configuration", "tool_change_running": "Macro File Configuration",
+        "spindle": "Macro File Configuration", "spindle_speed": "Parameters in [Brackets]: S",
+        "mist": "Macro File Configuration", "flood": "Macro File Configuration", "output": "M Codes: M11, M12", "output_moving": "M Codes: M13, M14",
         "wait": "M Codes: M17, M18", "dwell": "G Codes: G4", "stop": "G Codes: G4",
         "feed_alone": "Parameters in [Brackets]: F", "straight": "G Codes: G1", "rapid": "G Codes: G0",
         "end": "M Codes: M99", "end_reset": "M Codes: M99", "comment": "Parameters in [Brackets]: Comment",
@@ -42,8 +42,14 @@ TARGET = Target(
 USUAL_CLEARANCE = 1.27
 
 
-def adapted(target: Target, machine: Machine) -> Target:
-    """The table for a machine: its settings change what cycles and arcs do (g81set=, g81dwell=, arcs=)."""
+NUMBER_ALONE = "G Codes: G4; L Codes: L110"
+"""How a tool is changed where CNC.MAC has no M6: the operator does it, and the controller gets its number."""
+BY_MACROS = {"spindle": ("M3", "M5"), "mist": ("M7", "M9"), "flood": ("M8", "M9")}
+
+
+def adapted(target: Target, machine: Machine, macros: frozenset[str] | None) -> Target:
+    """The table for a machine: its settings change what cycles and arcs do (g81set=, g81dwell=, arcs=), and what has
+    no code here is what CNC.MAC defines. macros: names in it, None: it is not known."""
     settings = wincnc_settings(machine)
     lost: set[str] = set()
     if settings.drill.dwell or settings.drill.other_dwell:
@@ -57,4 +63,12 @@ def adapted(target: Target, machine: Machine) -> Target:
     approach = settings.drill.approach
     same = approach is None or approach == USUAL_CLEARANCE
     legal = {name: source for name, source in target.legal.items() if name not in lost}
+    if macros is not None:
+        for name, codes in BY_MACROS.items():
+            if not macros.issuperset(codes):
+                legal.pop(name, None)
+        if "M6" not in macros and settings.changers:
+            legal["tool_change"] = NUMBER_ALONE
+        elif "M6" not in macros:
+            legal.pop("tool_change", None)
     return replace(target, legal=legal, peck_clearance=USUAL_CLEARANCE if same else None)
