@@ -205,7 +205,7 @@ def any_zero(setup: Setup, program: Program) -> Setup:
     return replace(
         setup, name="any work zero", homed=tuple(AXIS_NAMES), start={}, work={}, g92=none, tool_lengths={}, measures={},
         default_start=None, default_offset=None, active_work=setup.active_work or 1, tool=None, workpiece=None,
-        keep_out=(),
+        keep_out=(), optional_stop=None,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from gproof.backend.emit.job_numbers import text_of
 from gproof.backend.emit.linuxcnc.expressions import inside, value, variable
 from gproof.backend.emit.linuxcnc.names import VariableNames
 from gproof.backend.emit.printer import Unprintable
-from gproof.backend.emit.rs274.writer import LENGTH, OUTPUT, PATH, Rs274Writer
+from gproof.backend.emit.rs274.writer import LENGTH, PATH, Rs274Writer
 from gproof.ir.job import (
     ArcTo,
     ChangeTool,
@@ -176,9 +176,7 @@ class LinuxcncWriter(Rs274Writer):
         if not isinstance(node.value, Number):
             raise Unprintable("an output whose state is computed")
         codes = ("M63", "M62") if node.moving else ("M65", "M64")
-        self.flush()
-        self.put(OUTPUT, [codes[bool(node.value.value)], f"P{self.expression(node.channel)}"], node.span)
-        self.flush()
+        self.line(f"{codes[bool(node.value.value)]} P{self.expression(node.channel)}")
 
     def wait(self, node: WaitFor) -> None:
         """M66 P L Q: L3 until it is on, L4 until it is off; #5399 is -1 when the time is over (M-Codes)."""
@@ -188,10 +186,7 @@ class LinuxcncWriter(Rs274Writer):
             self._wait_for_ever(node)
             return
         limit = self.scaled(node.timeout.value, 0.001) if node.timeout.unit == "ms" else node.timeout.value
-        self.flush()
-        words = ["M66", f"P{self.expression(node.channel)}", "L3" if node.on else "L4", f"Q{self.expression(limit)}"]
-        self.put(OUTPUT, words, node.span)
-        self.flush()
+        self.line(f"M66 P{self.expression(node.channel)} {'L3' if node.on else 'L4'} Q{self.expression(limit)}")
 
     def _wait_for_ever(self, node: WaitFor) -> None:
         """The same again and again: M66 always has a limit."""
