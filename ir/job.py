@@ -270,12 +270,14 @@ class SetPathMode:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Compensate:
-    """Cutter compensation. side: ``left``, ``right``, ``off``; tool: whose diameter counts; diameter: instead of it."""
+    """Cutter compensation. side: ``left``, ``right``, ``off``; tool: whose diameter counts; diameter: instead of it;
+    plane: of the contour."""
 
     side: str
     span: Span
     tool: Expr | None = None
     diameter: Quantity | None = None
+    plane: str = "xy"
 
 
 @record(frozen=True, slots=True, kw_only=True)

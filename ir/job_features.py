@@ -200,6 +200,8 @@ def _own(node: Node) -> Iterator[str]:
             yield "path_filter"
     elif isinstance(node, Compensate):
         yield "compensation"
+        if node.plane != "xy":
+            yield "compensation_plane"
         if node.diameter is not None:
             yield "compensation_diameter"
     elif isinstance(node, ChangeTool):

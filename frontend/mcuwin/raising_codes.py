@@ -177,8 +177,11 @@ def correction(state: McuWinState, part: Part, span: Span) -> list[Node]:
         raise Unraisable(code, "no tool table is known (2.7)")
     if on is not False:
         raise Unraisable(code, "another correction is on")
+    if state.now.plane == UNKNOWN_MODE:
+        raise Unraisable(code, "the plane depends on the path that the program took")
     state.keep(side=True)
-    return [Compensate(side="left" if function is F.COMPENSATION_LEFT else "right", span=span)]
+    side = "left" if function is F.COMPENSATION_LEFT else "right"
+    return [Compensate(side=side, plane=state.now.plane, span=span)]
 
 
 def _uncorrected(state: McuWinState, code: str) -> None:

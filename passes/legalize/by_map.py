@@ -110,7 +110,7 @@ class _Mapper:
         if number > self.target.tools:
             return f"tools of {self.target.title} have numbers up to {self.target.tools}"
         known = [tool.number for tool in self.machine.tools]
-        if known and number and number not in known:
+        if known and number and number not in known and not self.same:
             return f"the tool table of the target's machine has no tool {number}"
         return ""
 

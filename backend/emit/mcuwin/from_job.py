@@ -7,7 +7,7 @@ distances (3.36) with both words (3.3), feeds a minute (3.28).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from gproof.backend.emit.job_numbers import decimals_of, factor, text_of
 from gproof.backend.emit.job_writer import JobWriter
 from gproof.backend.emit.mcuwin.job_expressions import PascalWriter, Variables
+from gproof.backend.emit.mcuwin.job_lines import numbered, reflection
 from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.rs274.tables import table_text
 from gproof.ir.columns import Columns
@@ -28,6 +29,7 @@ from gproof.ir.job import (
     AxisPlace,
     ChangeTool,
     Choice,
+    Compensate,
     CountLoop,
     DwellFor,
     EndJob,
@@ -53,9 +55,10 @@ from gproof.ir.job import (
     SwitchCoolant,
     SwitchOutput,
     TurnSpindle,
+    walk,
 )
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import Expr, Number, Text
+from gproof.ir.program import Binary, Expr, Number, Text
 from gproof.ir.target import Style, Target
 
 PLANES = {"xy": "G17", "xz": "G18", "yz": "G19"}
@@ -86,6 +89,13 @@ class McuWinWriter(JobWriter):
         tables = any(isinstance(node, Moves) and (node.rows["kind"] >= ARC_CW).any() for node in self.all_nodes())
         places = all(any(not place.relative for place in node.center) for node in arcs)
         self.centers_are_places = bool(arcs) and places and not tables
+        named = self.din.interpolation_axes
+        self.interpolating = {name for name, word in self.letters.items() if named is None or word in named}
+        self.used = set(self._used())
+        self.changes_reflection = any(
+            isinstance(node, SetFrame) and node.action.startswith(("mirror", "scale"))
+            for routine in job.routines.values() for node in walk(routine.body)
+        )  # fmt: skip
         self.moved = False
         self.labels: dict[tuple[int, str], int] = {}
         self.scope = 0
@@ -93,10 +103,20 @@ class McuWinWriter(JobWriter):
             MoveTo: self.move, ArcTo: self.arc, SetFeed: self.set_feed, DwellFor: self.dwell, PauseJob: self.pause,
             TurnSpindle: self.spindle, SwitchCoolant: self.coolant, ChangeTool: self.tool, SetFrame: self.frame,
             SwitchOutput: self.output, HomeAxes: self.home, EndJob: self.end, ShowText: self.message,
-            SetVariable: self.setting, RunRoutine: self.run, LeaveRoutine: self.leave, Mark: self.mark, GoTo: self.go,
+            Compensate: self.side, SetVariable: self.setting, RunRoutine: self.run, LeaveRoutine: self.leave,
+            Mark: self.mark, GoTo: self.go,
         }  # fmt: skip
 
     # ---- the whole
+
+    def _used(self) -> Iterator[str]:
+        """The axes that the job moves."""
+        for node in self.all_nodes():
+            if isinstance(node, Moves):
+                bits = int(np.bitwise_or.reduce(node.rows["axes"]))
+                yield from (name for column, name in enumerate(AXIS_NAMES) if bits >> column & 1)
+            elif isinstance(node, MoveTo | ArcTo):
+                yield from (place.axis for place in node.to)
 
     def write(self) -> bytes:
         """Declarations, the program, its subprograms after it (4.16, 12); Unprintable."""
@@ -118,14 +138,14 @@ class McuWinWriter(JobWriter):
             self.scope += 1
             self.routine(routine)
         text = b"".join(self.out)
-        return _numbered(text, self.style.newline) if self.din.line_numbers or self.style.numbers else text
+        return numbered(text, self.style.newline) if self.din.line_numbers or self.style.numbers else text
 
     def header(self) -> Iterable[str]:
         """Modes that the manual leaves to earlier programs or to IniCfg (3.3, 3.6, 3.24, 3.28); the zero (3.19)."""
         relative, plane = bool(self.constant.get("relative")), self.constant.get("plane", "xy")
         centers = "G161" if self.centers_are_places else "G162"
         words = ["G91" if relative else "G90", "G71", "G94", centers, PLANES[plane]]
-        self.state |= {"relative": relative, "plane": plane}
+        self.state |= {"relative": relative, "plane": plane, "reflected": {}}
         zero = [] if self.job.source == "mcuwin" or self._selects_first() else ["G54"]
         return [*self.style.header, " ".join(words), *zero]
 
@@ -219,7 +239,8 @@ class McuWinWriter(JobWriter):
             literal = isinstance(node.count, Number)
             count = f" O{self.expression(node.count)}" if literal else f" O{self.pascal.word(node.count)}"
         self.line(f"M98 L{self.names[node.name]}{count}")
-        self.state = dict(self.constant)
+        reflected = {} if self.changes_reflection else {"reflected": self.state.get("reflected")}
+        self.state = self.constant | reflected
         self.moved = True
 
     def leave(self, node: LeaveRoutine) -> None:
@@ -345,12 +366,12 @@ class McuWinWriter(JobWriter):
         zero = Quantity(Number(0.0, node.span), "mm")
         center = [f"{CENTERS[axis]}{self.amount(places[axis].at if axis in places else zero)}" for axis in node.plane]
         self.distances(node.to, node.span)
-        if absolute and not node.to and self.state.get("relative") is not False:
-            self.put(MODE, ["G90"], node.span)
-            self.state["relative"] = False
-        self.motion(
-            "G02" if node.clockwise else "G03", [*self.words(node.to), *center], self.feed(node.feed), node.span
-        )
+        if absolute and not node.to:
+            self.mode_line(False)
+        words = [*self.words(node.to), *center]
+        self.motion("G02" if node.clockwise else "G03", words, self.feed(node.feed), node.span)
+        if switches:
+            self.line("G162" if absolute else "G161")
 
     def _plane(self, plane: str) -> None:
         if self.state.get("plane") != plane:
@@ -392,34 +413,64 @@ class McuWinWriter(JobWriter):
     def dwell(self, node: DwellFor) -> None:
         """G04, seconds (3.5)."""
         value = node.time.value
-        if node.time.unit == "ms":
-            if not isinstance(value, Number):
-                raise Unprintable("a computed time in milliseconds")
+        if node.time.unit == "ms" and isinstance(value, Number):
             value = Number(value.value * 0.001, value.span)
+        elif node.time.unit == "ms":
+            unit = 1.0 / (1000.0 * self.din.wait_unit)
+            scaled = value if unit == 1.0 else Binary("*", value, Number(unit, value.span), value.span)
+            self.line(f"$wt({self.pascal.value(scaled)});")
+            self.moved = False
+            return
         self.line(f"G04 {self.expression(value)}")
         self.moved = False
 
-    # ---- frames (3.18, 3.19, 3.26, 3.33, 3.34)
+    # ---- frames (3.9 to 3.13, 3.18, 3.19, 3.26, 3.33, 3.34)
 
     def frame(self, node: SetFrame) -> None:
-        """G53 to G58, G92, G153, G154."""
+        """G53 to G58, G92, G153, G154; G21 to G24, G39."""
+        if node.action.partition("_")[0] in ("mirror", "scale"):
+            foreign = self.job.source != self.target.name
+            now, lines = reflection(node, self.state.get("reflected"), self.letters, foreign=foreign)
+            for line in lines:
+                self.line(line)
+            self.state["reflected"] = now
+            return
         if node.action == "select":
             number = node.number.value if isinstance(node.number, Number) else 0.0
             if number not in range(1, self.target.offsets + 1):
                 raise Unprintable("a work offset beyond G58")
+            wanted, usual = set(node.axes or self.letters), self.interpolating
+            if wanted != usual and not (not node.axes and self.used <= usual):
+                raise Unprintable("a work offset of other axes than those that interpolate (3.19)")
             self.line(f"G{53 + round(number)}")
         elif node.action in ("zero_keep", "zero_recall"):
             if len(self._kept_places()) > 1:
                 raise Unprintable("several work zeros that are kept")
             self.line("G153" if node.action == "zero_keep" else "G154")
         elif node.action in ("zero_at", "zero_shift"):
-            self.mode_line(node.action == "zero_shift")
-            self.line(" ".join(["G92", *self.words(node.places)]))
-            if "relative" in self.constant:
-                # What the whole job shares holds in subprograms too.
-                self.mode_line(self.constant["relative"])
+            self._zero(node)
         else:
             raise Unprintable(node.action)
+
+    def _zero(self, node: SetFrame) -> None:
+        """G92, in G90 or G91 (3.26); G53 where it is machine zero for the axes that interpolate (3.18)."""
+        self.mode_line(node.action == "zero_shift")
+        at_machine = all(place.at.number == 0.0 for place in node.places) and node.action == "zero_at"
+        if at_machine and {place.axis for place in node.places} == self.interpolating:
+            self.line("G53")
+        else:
+            self.line(" ".join(["G92", *self.words(node.places)]))
+        if "relative" in self.constant:
+            # What the whole job shares holds in subprograms too.
+            self.mode_line(self.constant["relative"])
+
+    def side(self, node: Compensate) -> None:
+        """G40 to G42, by the record of the tool table that T selects (2.7)."""
+        if self.job.source != self.target.name or node.tool is not None or node.diameter is not None:
+            raise Unprintable("cutter compensation, whose path the manual leaves open (2.7)")
+        if node.side != "off":
+            self._plane(node.plane)
+        self.line({"left": "G41", "right": "G42", "off": "G40"}[node.side])
 
     def _kept_places(self) -> set[object]:
         """Numbers of the places in which zeros are kept; McuWIN has one (3.33)."""
@@ -475,7 +526,8 @@ class McuWinWriter(JobWriter):
         self.moved = False
 
     def end(self, node: EndJob) -> None:
-        """M30, M02 (4.3, 4.13)."""
+        """M30, M02 (4.3, 4.13); the plane is left as after the start of the system (3.6)."""
+        self._plane("xy")
         self.line("M30" if node.reset else "M02")
 
     def output(self, node: SwitchOutput) -> None:
@@ -515,20 +567,6 @@ class McuWinWriter(JobWriter):
     def in_order(self, words: list[str]) -> str:
         """G codes first, then axes, F, and M last."""
         return " ".join(sorted(words, key=lambda word: ORDER.index(word[0])))
-
-
-def _numbered(text: bytes, newline: str) -> bytes:
-    """Every line with words gets a number (14 (2.5.3.24))."""
-    found, number, inside = [], 0, False
-    end = newline.encode()
-    for line in text.split(end):
-        words = line.lstrip()
-        inside = words.startswith(b"$DINEND") or (inside and not words.startswith(b"{$DINSTART}"))
-        if words and not inside and words[:1] not in (b"%", b"'", b"{"):
-            number += 10
-            line = b"N%d " % number + words
-        found.append(line)
-    return end.join(found)
 
 
 def write(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:

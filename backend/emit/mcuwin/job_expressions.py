@@ -22,6 +22,7 @@ NEGATED = {"<": ">=", ">=": "<", ">": "<=", "<=": ">", "==": "<>", "<>": "=="}
 IS_RELATION = frozenset(RELATIONS.values())
 LOGICAL = frozenset(("and", "or", "xor"))
 WHOLE = frozenset(("+", "-", "*", "div", "rem", "band", "bor", "bxor", "<<", "shr"))
+ONLY_WHOLE = WHOLE - {"+", "-", "*"}
 TO_WHOLE = frozenset(("trunc", "nearest"))
 MOST_POWER = 8
 """Powers that are written as products."""
@@ -78,11 +79,21 @@ def number_of(variable: Variable) -> int:
 
 
 def _whole_variables(nodes: list[Node]) -> set[int]:
-    """Those that counted loops count with, and that nothing else than whole numbers is set to."""
-    found = {number_of(node.variable) for node in nodes if isinstance(node, CountLoop)}
+    """Those that counted loops count with or to, and that nothing else than whole numbers is set to."""
+    settings = [node for node in nodes if isinstance(node, SetVariable)]
+    found: set[int] = set()
+    rest = [one for node in nodes if isinstance(node, CountLoop) for one in (node.variable, node.first, node.last)]
+    for node in nodes:
+        inside = (part for expr in expressions(node) for part in parts_of_expression(expr))
+        rest += [one for one in inside if isinstance(one, Binary) and one.operator in ONLY_WHOLE]
+    while rest:
+        for part in parts_of_expression(rest.pop()):
+            if isinstance(part, Variable) and number_of(part) not in found:
+                found.add(number_of(part))
+                rest += [node.value for node in settings if number_of(node.target) == number_of(part)]
     while True:
         lost = {
-            number_of(node.target) for node in nodes if isinstance(node, SetVariable)
+            number_of(node.target) for node in settings
             if number_of(node.target) in found and not _is_whole(node.value, found)
         }  # fmt: skip
         if not lost:
@@ -93,6 +104,8 @@ def _whole_variables(nodes: list[Node]) -> set[int]:
 def _is_whole(expr: Expr, whole: set[int], *, common: bool = True) -> bool:
     if isinstance(expr, Number):
         return expr.value == round(expr.value) and not expr.point
+    if isinstance(expr, Constant):
+        return expr.value == round(expr.value)
     if isinstance(expr, Variable):
         number = number_of(expr)
         return number in whole or (common and COMMON_INTEGER + PROTECTED <= number < DECLARED)
@@ -170,7 +183,7 @@ class PascalWriter:
             return self._power(expr)
         if expr.operator in IS_RELATION or expr.operator in LOGICAL or expr.operator not in WRITTEN:
             raise Unprintable(f"the operator {expr.operator!r} in a number")
-        if expr.operator in WHOLE - {"+", "-", "*"} and not _is_whole(expr, self.variables.whole):
+        if expr.operator in ONLY_WHOLE and not _is_whole(expr, self.variables.whole):
             raise Unprintable(f"the operator {expr.operator!r} of numbers that may be no whole ones")
         return Binary(expr.operator, self.number(expr.left), self.number(expr.right), expr.span)
 

@@ -20,7 +20,9 @@ TARGET = Target(
         "choice": "7", "count_loop": "8.3", "repeat": "8.2", "while": "8.1", "jump": "4.15", "routine": "4.16",
         "routine_count": "4.16", "variable": "12", "expression": "12", "input_value": "7",
         "arc": "3.3", "arc_place": "3.35", "arc_full": "3.3", "arc_helix": "3.3", "unit_mm": "3.22", "relative": "3.25",
-        "frame_select": "3.19", "frame_zero_at": "3.26", "frame_zero_shift": "3.26", "frame_zero_keep": "3.33",
+        "frame_select": "3.19", "frame_select_axes": "3.19",
+        "frame_mirror": "3.9", "frame_scale": "3.13",
+        "frame_zero_at": "3.26", "frame_zero_shift": "3.26", "frame_zero_keep": "3.33",
         "frame_zero_recall": "3.34",
         "tool_select": "5.5", "tool_change": "4.7", "tool_change_running": "4.7",
         "spindle_speed": "5.4", "spindle": "4.4", "flood": "4.8",
@@ -42,7 +44,7 @@ def adapted(target: Target, machine: Machine) -> Target:
     din = mcuwin_settings(machine)
     legal = dict(target.legal)
     if din.tools:
-        legal |= {"arc_xz": "3.7", "arc_yz": "3.8"}
+        legal |= {"arc_xz": "3.7", "arc_yz": "3.8", "compensation": "2.7", "compensation_plane": "2.7"}
     tool = din.task("T")
     if tool is None or tool.action == "unknown":
         legal = {name: source for name, source in legal.items() if name not in ("tool_select", "tool_change")}
