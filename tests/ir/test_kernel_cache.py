@@ -50,7 +50,7 @@ for kind in sys.argv[1:]:
 if "numba.np.arraymath" in sys.modules:
     open("all-of-numba", "w").close()
 """
-KINDS = ["float64", "float32", "int64", "uint64", "int32", "int8"]
+KINDS = ["float64", "float32", "int64", "uint64", "int32"]
 
 Start = Callable[..., "subprocess.Popen[str]"]
 
@@ -93,13 +93,14 @@ def compiled(folder: Path) -> list[Path]:
 
 def test_processes_that_compile_at_the_same_time(start: Start, tmp_path: Path) -> None:
     """Every signature keeps its own copy, none is lost, and the copies are whole: later processes load them."""
-    together = [start(kind) for kind in KINDS]
-    while len(list(tmp_path.glob("ready-*"))) < len(KINDS) and all(p.poll() is None for p in together):
+    kinds = KINDS[:4]
+    together = [start(kind) for kind in kinds]
+    while len(list(tmp_path.glob("ready-*"))) < len(kinds) and all(p.poll() is None for p in together):
         time.sleep(0.01)
     (tmp_path / "go").touch()
-    assert [answer(process) for process in together] == [7.0] * len(KINDS)
+    assert [answer(process) for process in together] == [7.0] * len(kinds)
     files = compiled(tmp_path)
-    assert len(files) == len(KINDS)
+    assert len(files) == len(kinds)
     written = [path.stat().st_mtime_ns for path in files]
     assert answers(start(*KINDS[:3])) == [7.0] * 3
     assert [path.stat().st_mtime_ns for path in files] == written
@@ -120,7 +121,7 @@ def test_what_is_loaded_needs_no_compiler(start: Start, tmp_path: Path) -> None:
 
 
 def test_what_does_not_fit_is_compiled_again(start: Start, tmp_path: Path) -> None:
-    kinds = KINDS[:5]
+    kinds = KINDS
     (tmp_path / "go").touch()
     assert answers(start(*kinds)) == [7.0] * len(kinds)
     files = compiled(tmp_path)

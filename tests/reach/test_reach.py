@@ -77,7 +77,10 @@ def _part(file: str, name: str) -> str | None:
         if found is None:
             return None
         node = found
-    return ast.get_source_segment(_source(file), node) if name else _source(file)
+    if not name:
+        return _source(file)
+    assert isinstance(node, ast.FunctionDef | ast.ClassDef)
+    return "\n".join(_source(file).split("\n")[node.lineno - 1 : node.end_lineno])
 
 
 @pytest.mark.parametrize("field", sorted(ROWS))

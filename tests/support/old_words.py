@@ -8,6 +8,7 @@ text that is fit to print.
 
 from __future__ import annotations
 
+import functools
 import re
 
 EVERYWHERE = {
@@ -61,12 +62,20 @@ _INLINE = re.compile(r"(`+)[^`].*?\1", re.DOTALL)
 _ADDRESS = re.compile(r"\]\([^)\s]*\)|https?://\S+")
 
 
+@functools.cache
+def _any_of(words: str) -> re.Pattern[str]:
+    """Most texts have none of them: one search says so."""
+    return re.compile(_EDGE.format(f"(?:{words})"))
+
+
 def old_words(text: str, *, message: bool = False) -> list[str]:
     """The old words of a text, each with what takes its place: ``behind: after``."""
     plain = _NAME.sub(" ", re.sub(r"\s+", " ", text.lower()))
     for phrase in ALLOWED:
         plain = re.sub(_EDGE.format(f"(?:{phrase})"), " ", plain)
     words = {**EVERYWHERE, **(IN_MESSAGES if message else {})}
+    if _any_of("|".join(words)).search(plain) is None:
+        return []
     found = ((re.search(_EDGE.format(f"(?:{word})"), plain), instead) for word, instead in words.items())
     return [f"{one[0]}: {instead}" for one, instead in found if one is not None]
 

@@ -79,9 +79,14 @@ def proved(jobs: list[Job], folder: Path, *, pure: bool) -> Proved:
     return found
 
 
-def test_the_trusted_base_is_small(jobs: list[Job], tmp_path: Path) -> None:
-    found = proved(jobs, tmp_path, pure=True)
-    total = found.total()
+@pytest.fixture(scope="module")
+def pure(jobs: list[Job], tmp_path_factory: pytest.TempPathFactory) -> Proved:
+    """In plain Python; one process for all tests that count."""
+    return proved(jobs, tmp_path_factory.mktemp("pure"), pure=True)
+
+
+def test_the_trusted_base_is_small(pure: Proved) -> None:
+    found, total = pure, pure.total()
     assert total.code <= CODE and total.all <= LINES, "\n".join(f"{n} {k}" for k, n in found.lines.items())
     assert total.executed > CODE / 2, "most of it is what these jobs need"
     outside = {name for name in found.lines if not name.startswith("gproof.verify.kernel")}
@@ -98,9 +103,9 @@ def test_with_numba_its_loader_comes_to_that(
     assert found.total().code <= CODE + LOADER
 
 
-def test_pages_say_the_figures(jobs: list[Job], tmp_path: Path) -> None:
+def test_pages_say_the_figures(pure: Proved) -> None:
     """Those of docs/verification.md are not more than a hundred lines off."""
-    total = proved(jobs[:1], tmp_path, pure=True).total()
+    total = pure.total()
     page = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
     said = re.search(r"about ([\d,]+) lines of\s+code in files of ([\d,]+) lines", page)
     assert said is not None
