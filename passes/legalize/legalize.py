@@ -142,7 +142,10 @@ class _Legalizer:
         legal = Job(source=self.job.source, files=self.job.files, body=body, routines=self.routines)
         if not self.refused:
             legal.verify()
-        return Legal(job=legal, lowered=self.context.lowered, refused=self.refused, assumed=list(self.context.assumed))
+        return Legal(
+            job=legal, lowered=self.context.lowered, refused=self.refused, assumed=list(self.context.assumed),
+            spare_used=self.context.spare_used,
+        )  # fmt: skip
 
     def _reached(self, body: Nodes) -> list[str]:
         """Routines that legal operations run, each after those that it runs itself were found."""
