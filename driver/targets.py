@@ -22,13 +22,14 @@ if TYPE_CHECKING:
 @record(frozen=True, slots=True)
 class TargetEntry:
     """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own;
-    comment: what is around the text of a comment; adapted: the table for a machine and its file; read: (texts, name of
-    the job's own, machine, work offset at the start) -> what they do, for a language without a front end."""
+    comment: what is around the text of a comment; adapted: the table for a machine, its file and the language of the
+    source; read: (texts, name of the job's own, machine, work offset at the start) -> what they do, for a language
+    without a front end."""
 
     target: Callable[[], Target]
     write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]
     comment: tuple[str, str] = ("(", ")")
-    adapted: Callable[[Target, Machine, Path | None], Target] | None = None
+    adapted: Callable[[Target, Machine, Path | None, str], Target] | None = None
     read: Callable[[dict[str, bytes], str, Machine, int], ReadBack] | None = None
 
 
@@ -56,10 +57,10 @@ def _write_mcuwin(job: Job, target: Target, machine: Machine, style: Style) -> d
     return write(job, target, machine, style)
 
 
-def _mcuwin_of(target: Target, machine: Machine, path: Path | None) -> Target:
+def _mcuwin_of(target: Target, machine: Machine, path: Path | None, source: str) -> Target:
     from gproof.ir.dialects.mcuwin.target import adapted
 
-    return adapted(target, machine)
+    return adapted(target, machine, source)
 
 
 def _linuxcnc() -> Target:
@@ -104,7 +105,7 @@ def _wincnc() -> Target:
     return TARGET
 
 
-def _wincnc_of(target: Target, machine: Machine, path: Path | None) -> Target:
+def _wincnc_of(target: Target, machine: Machine, path: Path | None, source: str) -> Target:
     from gproof.frontend.wincnc.mac_file import names_next_to
     from gproof.ir.dialects.wincnc.target import adapted
 

@@ -94,7 +94,7 @@ def translate(wanted: Wanted) -> Translation:
         return done
     machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
     if entry.adapted is not None:
-        done.target = target = entry.adapted(target, machine_to, wanted.machine_to or wanted.machine)
+        done.target = target = entry.adapted(target, machine_to, wanted.machine_to or wanted.machine, session.dialect)
     given = wanted.given or _map(wanted.map)
     legal = legal_job(session, target, machine_to, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given

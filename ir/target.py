@@ -68,6 +68,7 @@ FEATURES: dict[str, str] = {
     "frame_store_here": "work offset set at the present place",
     "frame_store": "work offset stored",
     "frame_select": "work offset selected",
+    "frame_select_local": "work offset selected while a local offset is in force",
     "frame_local_restore": "local offset restored",
     "frame_local_suspend": "local offset suspended",
     "frame_local_add": "local offset added to",

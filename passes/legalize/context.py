@@ -95,7 +95,7 @@ class Context:
     may have switched so far; zero: the work zero, and kept ones; local_off: no local offset is in force; spare_used:
     the spare work offset of the target is; axes: that the job moves; local: mm by axis of the local offset in force,
     None: not known, suspended: the one that was suspended; remembered: what ``zero_keep`` kept, moved: axes that moved
-    since; unit: of lengths, as the source has it."""
+    since; settled: a select after which the local offset is brought back; unit: of lengths, as the source has it."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -114,6 +114,7 @@ class Context:
         self.spare_used = False
         self.remembered: tuple[float | None, Zero, dict[str, float] | None, dict[str, float]] | None = None
         self.moved: set[str] = set()
+        self.settled: SetFrame | None = None
         self.axes = axes_of(job)
         self.local: dict[str, float] | None = {}
         self.suspended: dict[str, float] | None = None
@@ -255,6 +256,12 @@ class Context:
             self.place = {}
             if node.action.startswith(("local", "zero")):
                 self.local = None
+
+    def loses_local(self, node: SetFrame) -> bool:
+        """Whether choosing a work offset ends a local one on the target, whose only offset it is."""
+        is_select = node.action == "select" and node is not self.settled
+        one_offset = "frame_zero_shift" in self.target.legal and "frame_local_here" not in self.target.legal
+        return is_select and one_offset and bool(self.local)
 
     def local_after(self, node: SetFrame) -> dict[str, float] | None:
         """The local offset after the present place has got these names; None where it is not known."""

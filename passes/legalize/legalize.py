@@ -167,6 +167,8 @@ class _Legalizer:
             found.add("routine_arguments")
         if isinstance(node, RunRoutine) and (self._moves_zero(node) or self.context.transform != SAME):
             found.add("routine")
+        if isinstance(node, SetFrame) and self.context.loses_local(node):
+            found.add("frame_select_local")
         if isinstance(node, DrillHole) and node.back == "before" and not self.target.cycle_returns:
             found.add("cycle_return")
         if isinstance(node, Choice) and node.otherwise and not self.target.two_ways:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from gproof.ir.dialects.mcuwin.pascal import ANGULAR, FUNCTIONS, RELATIONS
 from gproof.ir.dialects.mcuwin.settings import mcuwin_settings
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.target import Style, Target
@@ -21,7 +22,6 @@ TARGET = Target(
         "routine_count": "4.16", "variable": "12", "expression": "12", "input_value": "7",
         "arc": "3.3", "arc_place": "3.35", "arc_full": "3.3", "arc_helix": "3.3", "unit_mm": "3.22", "relative": "3.25",
         "frame_select": "3.19", "frame_select_axes": "3.19",
-        "frame_mirror": "3.9", "frame_scale": "3.13",
         "frame_zero_at": "3.26", "frame_zero_shift": "3.26", "frame_zero_keep": "3.33",
         "frame_zero_recall": "3.34",
         "tool_select": "5.5", "tool_change": "4.7", "tool_change_running": "4.7",
@@ -36,15 +36,26 @@ TARGET = Target(
     straight_rapids=False,
     offsets=5,
     tools=999_999,
+    operators=frozenset((
+        *RELATIONS.values(), "+", "-", "*", "/", "**", "and", "or", "xor", "not", "neg", "pos", "div", "rem", "band",
+        "bor", "bxor", "bnot", "<<", "shr", *FUNCTIONS.values(), *ANGULAR, *(f"r{name}" for name in ANGULAR),
+    )),
 )  # fmt: skip
 
 
-def adapted(target: Target, machine: Machine) -> Target:
-    """What a machine has besides, or has not: planes with a tool table (2.7), what Task 0 does (4, 5.5)."""
+OWN = {"frame_mirror": "3.9", "frame_scale": "3.13"}
+"""What only a program of this controller can have: about which zero places are mirrored is open (3.9, 3.26)."""
+
+
+def adapted(target: Target, machine: Machine, source: str) -> Target:
+    """What a machine has besides, or has not: planes with a tool table (2.7), what Task 0 does (4, 5.5). source: the
+    language of the job."""
     din = mcuwin_settings(machine)
-    legal = dict(target.legal)
+    legal = target.legal | (OWN if source == target.name else {})
     if din.tools:
-        legal |= {"arc_xz": "3.7", "arc_yz": "3.8", "compensation": "2.7", "compensation_plane": "2.7"}
+        legal |= {"arc_xz": "3.7", "arc_yz": "3.8"}
+    if din.tools and source == target.name:
+        legal |= {"compensation": "2.7", "compensation_plane": "2.7"}
     tool = din.task("T")
     if tool is None or tool.action == "unknown":
         legal = {name: source for name, source in legal.items() if name not in ("tool_select", "tool_change")}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gproof.ir.job import MM, AxisPlace, Node, Quantity, SetFrame
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
@@ -62,7 +64,21 @@ def _shift(node: SetFrame, wanted: dict[str, float], context: Context) -> list[N
     return [SetFrame(action="zero_shift", places=tuple(places), span=node.span)] if places else []
 
 
+def select_with_local(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A work offset and the local one on it, as the work offset and the shift."""
+    if not isinstance(node, SetFrame) or not context.local:
+        return None
+    wanted = dict(context.local)
+    context.settled = select = replace(node)
+    context.local = {}
+    return [select, *_shift(node, wanted, context)]
+
+
 PATTERNS = (
+    Pattern(
+        name="work offset with a local offset -> with a shift", removes=("frame_select_local",),
+        apply=select_with_local, unrolls=True,
+    ),
     Pattern(name="work offset -> the only one", removes=("frame_select",), apply=only_offset),
     Pattern(
         name="local offset -> shift of the zero",
