@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from rich.cells import cell_len
 from support.bundles import files_of
+from support.each import each
 
 from gproof.cli.main import main
 from gproof.ir.codes import CODES
@@ -33,9 +34,10 @@ def shown(monkeypatch: pytest.MonkeyPatch) -> object:
 
     def run(*words: str, columns: int = 100) -> str:
         terminal = Terminal()
-        monkeypatch.setenv("COLUMNS", str(columns))
-        monkeypatch.setattr(sys, "stdout", terminal)
-        assert main(list(words)) == 0
+        with monkeypatch.context() as patch:
+            patch.setenv("COLUMNS", str(columns))
+            patch.setattr(sys, "stdout", terminal)
+            assert main(list(words)) == 0
         return terminal.getvalue()
 
     return run
@@ -46,7 +48,7 @@ def words_of(text: str) -> list[str]:
     return re.findall(r"\w+", text.replace("...", ""))
 
 
-@pytest.mark.parametrize("number", CODES)
+@each("number", CODES)
 def test_every_page_fits_100_columns(number: int, shown, capsys: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]
     page = (PAGES / f"GP{number}.md").read_text("utf-8")
     explanation, _, files = page.partition(FILES)
@@ -61,7 +63,7 @@ def test_every_page_fits_100_columns(number: int, shown, capsys: pytest.CaptureF
     assert "".join(words_of(plain)).startswith("".join(words_of(explanation)))
 
 
-@pytest.mark.parametrize("number", list(CODES)[::9])
+@each("number", list(CODES)[::9])
 def test_a_page_fits_a_narrow_terminal(number: int, shown) -> None:  # type: ignore[no-untyped-def]
     lines = ESCAPE.sub("", shown("explain", str(number), "--files", columns=60)).splitlines()
     assert [line for line in lines if cell_len(line) > 60] == []

@@ -33,6 +33,7 @@ from corpus.pages import (
     text_of,
 )
 from support.campaigns import share
+from support.each import each
 
 from gproof.ir.codes import CODES, RETIRED
 
@@ -98,7 +99,7 @@ def test_every_code_has_a_page_and_every_page_a_code() -> None:
     assert {folder.name for folder in FOLDERS} == {f"GP{number}" for number in CODES}
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+@each("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_explanation_starts_with_number_and_name(folder: Path) -> None:
     explanation = text_of(folder).partition("\n## Programs\n")[0]
     number = int(folder.name[2:])
@@ -144,7 +145,7 @@ def list_of_pages() -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+@each("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_a_page_says_what_its_programs_run_with(folder: Path) -> None:
     """Of each controller its heading and what its programs give; below all the files that they take."""
     _, _, told = text_of(folder).partition("\n## Programs\n")

@@ -21,6 +21,7 @@ from corpus.expectations import (
     report_of,
 )
 from support.command import in_own_process, in_this_process
+from support.each import each
 
 JOBS = [job.parent for job in jobs("eding")]
 EXIT = {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}
@@ -59,7 +60,7 @@ def test_a_process_of_its_own_says_the_same(verdict: str) -> None:
     assert in_own_process(words_for(folder), ROOT) == in_this_process(words_for(folder), ROOT)
 
 
-@pytest.mark.parametrize("folder", JOBS, ids=name_of)
+@each("folder", JOBS, ids=name_of)
 def test_expectation_is_complete(folder: Path) -> None:
     expect = expectation(folder / "job.cnc")
     assert expect["title"].strip()

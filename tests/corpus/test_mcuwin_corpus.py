@@ -19,6 +19,7 @@ from corpus.expectations import (
     report_of,
 )
 from support.command import in_own_process, in_this_process
+from support.each import each
 
 SHOPS = ROOT / "corpus" / "mcuwin"
 JOBS = jobs("mcuwin")
@@ -59,7 +60,7 @@ def test_a_process_of_its_own_says_the_same(verdict: str) -> None:
     assert in_own_process(words_for(job), ROOT) == in_this_process(words_for(job), ROOT)
 
 
-@pytest.mark.parametrize("job", JOBS, ids=name_of)
+@each("job", JOBS, ids=name_of)
 def test_expectation_is_complete(job: Path) -> None:
     expect = expectation(job)
     assert job.is_file()

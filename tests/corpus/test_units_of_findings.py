@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from corpus.pages import FOLDERS, dialects, settings
 from support.campaigns import share
+from support.each import each
 
 from gproof.cli.main import main
 from gproof.ir.codes import CODES
@@ -87,7 +88,7 @@ PLAIN = frozenset((
 """Names of numbers in templates that speak of no unit."""
 
 
-@pytest.mark.parametrize("number", CODES)
+@each("number", CODES)
 def test_templates(number: int) -> None:
     """A number with a format is a length that is converted, or of another kind; a unit stands behind a number."""
     template = CODES[number].template

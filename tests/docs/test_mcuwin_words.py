@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.each import each
 
 from gproof.ir.codes import CODES
 from gproof.ir.dialects.mcuwin.messages import MESSAGES, ControllerMessage
@@ -49,7 +50,7 @@ def test_every_row_says_what_it_means() -> None:
         assert entry.section
 
 
-@pytest.mark.parametrize("message", MESSAGES, ids=lambda m: m.name)
+@each("message", MESSAGES, ids=lambda m: m.name)
 def test_a_message_has_a_finding_or_a_reason_why_not(message: ControllerMessage) -> None:
     assert bool(message.codes) != bool(message.why)
     assert all(CODES[code.number] is code for code in message.codes)

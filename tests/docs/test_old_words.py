@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
+from support.each import each
 from support.goldens import ROOT
 from support.old_words import old_words, prose
 
@@ -24,7 +24,7 @@ def faults(page: str) -> list[str]:
     return [f"line {at}: {word}" for at, line in enumerate(text.splitlines(), 1) for word in old_words(line)]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+@each("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_a_page_has_no_old_word(page: Path) -> None:
     found = faults(page.read_text(encoding="utf-8"))
     assert found == [], "write it in plain English, see the glossary of CONTRIBUTING.md"

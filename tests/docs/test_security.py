@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 import re
 
-import pytest
 from corpus.expectations import ROOT
+from support.each import each
 
 PAGE = ROOT / "docs" / "security.md"
 ROWS = [line for line in PAGE.read_text("utf-8").splitlines() if line.startswith("|") and "::" in line]
@@ -21,7 +21,7 @@ def test_there_are_rows() -> None:
     assert len(ROWS) > 25
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.split("|")[1].strip()[:60])
+@each("row", ROWS, ids=lambda row: row.split("|")[1].strip()[:60])
 def test_the_test_that_a_row_names_exists(row: str) -> None:
     named = HELD.findall(row)
     assert named

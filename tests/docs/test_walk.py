@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-import pytest
+from support.each import each
 from support.goldens import ROOT
 
 from gproof.ir.codes import CODES
@@ -39,7 +39,7 @@ def defined(file: str) -> frozenset[str]:
     return frozenset(names(ast.parse((ROOT / file).read_text(encoding="utf-8")).body, ""))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+@each("page", PAGES, ids=name_of)
 def test_named_functions_exist(page: Path) -> None:
     missing = [
         f"{file}: {name}"
@@ -49,7 +49,7 @@ def test_named_functions_exist(page: Path) -> None:
     assert missing == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+@each("page", PAGES, ids=name_of)
 def test_links_and_paths_lead_somewhere(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     links = [link for link in _LINK.findall(text) if "://" not in link]
@@ -57,7 +57,7 @@ def test_links_and_paths_lead_somewhere(page: Path) -> None:
     assert [path for path in _PATH.findall(text) if not (ROOT / path).exists()] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+@each("page", PAGES, ids=name_of)
 def test_codes_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert {code for code in re.findall(r"\bGP(\d{3})\b", text) if int(code) not in CODES} == set()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from docs.wincnc_tables import PAGE, ROOT, UNKNOWN, command_status, page, rule_of, unknowns
+from support.each import each
 
 from docs import wincnc_examples as examples
 from docs import wincnc_manual as manual
@@ -48,7 +49,7 @@ def taken(command: Command) -> set[str]:
     return letters
 
 
-@pytest.mark.parametrize("name", CODES)
+@each("name", CODES)
 def test_the_rules_take_the_letters_of_the_manual(name: str) -> None:
     rule, command = rule_of(name), COMMANDS[name]
     assert rule is not None
@@ -79,7 +80,7 @@ def test_the_reader_of_the_machine_file_knows_the_keys_of_the_manual_and_no_othe
     assert set(RULES) == set(KEYS)
 
 
-@pytest.mark.parametrize("name", KEYS)
+@each("name", KEYS)
 def test_the_reader_knows_the_letters_of_a_key(name: str) -> None:
     key, rule = KEYS[name], RULES[name]
     assert {p.letter for p in key.parameters} == set(rule.letters) - NOT_IN_ITS_HEADING.get(name, set())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from support.each import each
 
 from docs import wincnc_manual as manual
 from gproof.ir.codes import CODES
@@ -49,7 +50,7 @@ def test_messages_are_those_of_the_manual() -> None:
     assert tuple(m.text for m in MESSAGES) == manual.MESSAGES
 
 
-@pytest.mark.parametrize("message", MESSAGES, ids=lambda m: m.text)
+@each("message", MESSAGES, ids=lambda m: m.text)
 def test_a_message_has_a_finding_or_a_reason_why_not(message: ControllerMessage) -> None:
     assert bool(message.codes) != bool(message.why)
     assert all(CODES[code.number] is code for code in message.codes)

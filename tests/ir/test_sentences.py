@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from support.each import each
 from support.old_words import old_words
 
 from gproof.ir.codes import CODES, SENTENCES
@@ -46,7 +47,7 @@ def plain(code: Code) -> str:
     return FIELD.sub("", code.template)
 
 
-@pytest.mark.parametrize("code", ALL, ids=lambda code: code.label)
+@each("code", ALL, ids=lambda code: code.label)
 def test_templates(code: Code) -> None:
     """Sentences of their own, short, in the words of a shop, with a unit behind each number."""
     assert re.search(r"[a-z]{3}.*[a-z]{2}", plain(code)) or code.number == 603, code.template
@@ -73,7 +74,7 @@ def begins_with_a_verb(hint: str) -> bool:
     return hint.split(" ", 1)[0].strip(":,'").lower() in VERBS or hint.startswith(OTHER_HINTS)
 
 
-@pytest.mark.parametrize("code", [code for code in ALL if code.hint], ids=lambda code: code.label)
+@each("code", [code for code in ALL if code.hint], ids=lambda code: code.label)
 def test_hints_of_codes(code: Code) -> None:
     """What to do, first of all."""
     assert begins_with_a_verb(code.hint) and not old_words(code.hint, message=True), code.hint

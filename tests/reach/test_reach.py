@@ -15,6 +15,7 @@ from reach.witness import Witness
 from reach.witnesses import WITNESSES
 from reach.worlds import STATE, answered, moved
 from support.campaigns import share
+from support.each import each
 
 ROWS = rows()
 THROUGH = {"trace": set(TARGETS), "language": set(TARGETS)}
@@ -44,7 +45,7 @@ def test_files_can_state_each_field() -> None:
     assert {name for name in fields if name.partition(".")[2] not in words} == UNSAID
 
 
-@pytest.mark.parametrize("field", sorted(name for name in run_fields() if name in ROWS and ROWS[name].reaches))
+@each("field", sorted(name for name in run_fields() if name in ROWS and ROWS[name].reaches))
 def test_functions_read_what_a_run_carries(field: str) -> None:
     """What a program sets is read again by a function that its row names."""
     name = field.partition(".")[2]
@@ -83,7 +84,7 @@ def _part(file: str, name: str) -> str | None:
     return "\n".join(_source(file).split("\n")[node.lineno - 1 : node.end_lineno])
 
 
-@pytest.mark.parametrize("field", sorted(ROWS))
+@each("field", sorted(ROWS))
 def test_rows_name_what_is_there(field: str) -> None:
     """Functions that a row names exist; a fact that reaches nothing has a reason."""
     row = ROWS[field]

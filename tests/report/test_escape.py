@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from cli.packages import BOARD, COMPILE, MACHINE, Shop, resigned
 from support.command import Done
+from support.each import each
 
 from gproof.driver.escape import LONGEST, escaped, shown
 
@@ -36,12 +37,12 @@ def harmless(done: Done, *, seen: bool = True) -> None:
         assert "\\x1b[2J" in done.out + done.err, done
 
 
-@pytest.mark.parametrize("number", [*range(0x20), 0x7F, *range(0x80, 0xA0)])
+@each("number", [*range(0x20), 0x7F, *range(0x80, 0xA0)])
 def test_control_characters_are_numbers(number: int) -> None:
     assert shown(chr(number)) == f"\\x{number:02x}"
 
 
-@pytest.mark.parametrize(
+@each(
     "number",
     [0x61C, *range(0x200B, 0x2010), *range(0x2028, 0x202F), *range(0x2060, 0x2070), 0xFEFF, 0xE000, 0xFFFF, 0xDC80],
 )

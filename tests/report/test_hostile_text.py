@@ -20,6 +20,7 @@ from cli.packages import MACHINE, Shop
 from markdown_it import MarkdownIt
 from support.campaigns import share
 from support.command import Done
+from support.each import each
 
 from gproof.cli.main import main
 from gproof.cli.progress import Progress
@@ -359,7 +360,7 @@ def test_what_a_bar_shows() -> None:
     assert bar._state["description"].isprintable()
 
 
-@pytest.mark.parametrize("character", [*map(chr, range(0x100)), *"\u200b\u202e\u2028\ud800\udcff\ue000\U000e0041"])
+@each("character", [*map(chr, range(0x100)), *"\u200b\u202e\u2028\ud800\udcff\ue000\U000e0041"], ids=ascii)
 def test_every_character_is_read_back(character: str) -> None:
     text = json_text({"a": f"x{character}##[b]"})
     assert text.isprintable()

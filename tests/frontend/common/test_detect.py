@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.each import each
 
 from gproof.driver.dialects import guess_dialect
 
 CORPUS = sorted((Path(__file__).resolve().parents[3] / "corpus" / "eding").glob("*/job.cnc"))
 
 
-@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.parent.name)
+@each("path", CORPUS, ids=lambda path: path.parent.name)
 def test_the_corpus_is_eding(path: Path) -> None:
     assert guess_dialect(path)[0] == "eding"
 
@@ -59,12 +60,12 @@ MCUWIN = sorted((Path(__file__).resolve().parents[3] / "corpus" / "mcuwin").glob
 SHOPS = sorted((Path(__file__).resolve().parents[3] / "corpus" / "wincnc").glob("*/jobs/*.tap"))
 
 
-@pytest.mark.parametrize("path", SHOPS, ids=lambda path: f"{path.parents[1].name}/{path.stem}")
+@each("path", SHOPS, ids=lambda path: f"{path.parents[1].name}/{path.stem}")
 def test_the_shops_are_wincnc(path: Path) -> None:
     assert guess_dialect(path)[0] == "wincnc"
 
 
-@pytest.mark.parametrize("path", MCUWIN, ids=lambda path: f"{path.parents[1].name}/{path.stem}")
+@each("path", MCUWIN, ids=lambda path: f"{path.parents[1].name}/{path.stem}")
 def test_jobs_of_mcuwin(path: Path) -> None:
     assert guess_dialect(path)[0] == "mcuwin"
 

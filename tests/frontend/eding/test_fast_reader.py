@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 import re
 
@@ -11,6 +12,7 @@ from frontend.eding.test_line_cache import Grammar, outcome, valid_line, varied
 from frontend.eding.test_random import random_line
 from frontend.eding.test_tolerance import SAME
 from support.campaigns import seeds
+from support.each import each
 
 from gproof.frontend.eding import line_cache as shapes
 from gproof.frontend.eding.build import Structural
@@ -149,8 +151,7 @@ def test_every_operator_and_function_is_read_directly() -> None:
         assert read_line(line, "job.cnc", 3) == tuple(parse_line(line.encode(), "job.cnc", 3)), line
 
 
-@pytest.mark.parametrize("operator", list(LEVEL))
-@pytest.mark.parametrize("other", list(LEVEL))
+@each("operator,other", list(itertools.product(LEVEL, LEVEL)))
 def test_operators_group_alike(operator: str, other: str) -> None:
     """Beside each other, with signs before what they take: by the table, doubts included."""
     for line in (f"x[1{operator}#2 {other} 3]", f"#1=[-#1{operator}-#2{other}-[3]{operator}4]"):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from frontend.eding.programs import load, program_of, shown
+from support.each import each
 
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
@@ -148,7 +149,7 @@ CASES = [
 ENDS = {"if": "endif\n", "while": "endwhile\n", "sub": "endsub\n"}
 
 
-@pytest.mark.parametrize(("line", "code", "column", "end"), CASES)
+@each("line,code,column,end", CASES)
 def test_one_finding_at_its_columns_and_the_next_line_is_read(
     tmp_path: Path, line: str, code: str, column: int, end: int
 ) -> None:
@@ -166,7 +167,7 @@ def test_one_finding_at_its_columns_and_the_next_line_is_read(
     assert len(statements) >= 2  # the table and the block behind the bad line
 
 
-@pytest.mark.parametrize(("line", "code", "column", "end"), CASES)
+@each("line,code,column,end", CASES)
 def test_blanks_before_a_line_move_its_columns(tmp_path: Path, line: str, code: str, column: int, end: int) -> None:
     if code == "GP106":
         return

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.campaigns import examples, seeds
+from support.each import each
 
 from gproof.frontend.common import lines
 from gproof.frontend.common.words import LONGEST_LINE
@@ -202,8 +203,8 @@ def test_random_numbers_equal_float_of_the_text() -> None:
     assert columns["value"].view(np.int64).tolist() == np.array([float(t) for t in texts]).view(np.int64).tolist()
 
 
-@pytest.mark.parametrize(
-    ("line", "plain"),
+@each(
+    "line,plain",
     [
         ("g0x +0. 12 34y 7", True),
         ("/N10 G1 X1", True),

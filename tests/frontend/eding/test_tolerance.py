@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from frontend.eding.programs import without_places
+from support.each import each
 
 from gproof.frontend.eding.parse import parse_line
 
@@ -147,13 +148,13 @@ SAME = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("written", "plain"), SAME)
+@each("written,plain", SAME)
 def test_a_line_as_people_write_it_means_its_plain_form(written: str, plain: str) -> None:
     assert meaning(written) == meaning(plain)
     assert meaning(written)
 
 
-@pytest.mark.parametrize(("written", "plain"), [row for row in SAME if row[0].isascii()])
+@each("written,plain", [row for row in SAME if row[0].isascii()])
 def test_neither_case_nor_blanks_at_the_ends_matter(written: str, plain: str) -> None:
     folded = written if '"' in written or "log" in written.lower() else written.upper()
     assert meaning(f" \t{folded}\t ") == meaning(plain)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.each import each
 
 from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.ini_check import columns_of
@@ -556,7 +557,7 @@ def test_the_table_has_the_keys_and_letters_of_the_manual() -> None:
         assert bool(rule.letters or rule.named.form == "axes" or rule.bare), key
 
 
-@pytest.mark.parametrize("key", KEYS)
+@each("key", KEYS)
 def test_every_key_is_read(key: str, tmp_path: Path) -> None:
     line = f"{key}={SAMPLES[key]}\n"
     if key in ("unit", "axischar", "axisspec", "axisvel"):
@@ -570,7 +571,7 @@ def test_every_key_is_read(key: str, tmp_path: Path) -> None:
     assert ((key, SAMPLES[key]) in machine.kept) == (KEYS[key].treatment in ("kept", "checked"))
 
 
-@pytest.mark.parametrize("key", [key for key, rule in KEYS.items() if rule.letters])
+@each("key", [key for key, rule in KEYS.items() if rule.letters])
 def test_the_letters_of_a_key_in_any_form(key: str, tmp_path: Path) -> None:
     """Odd case, no blanks, a comment in the middle: the same machine."""
     words = SAMPLES[key]

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from support.campaigns import examples
+from support.each import each
 
 from gproof.frontend.common.source import decode
 from gproof.frontend.wincnc.line import LineError, LineReader
@@ -154,8 +155,8 @@ def test_values_equal_float_of_the_text(number: str, comma: bool) -> None:
     assert bits(word[3]) == bits(float(number))
 
 
-@pytest.mark.parametrize(
-    ("line", "plain"),
+@each(
+    "line,plain",
     [
         ("G0X1", True),
         ("g01 x+1.5y-.5 z 7", True),

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from corpus.jobs import job_of
+from support.each import each
 from verify.jobs import JOBS
 from verify.reference_stepper import machine
 
@@ -160,7 +161,7 @@ def test_every_field_of_every_type_is_changed() -> None:
     assert not told(FULL, FULL)
 
 
-@pytest.mark.parametrize(("field", "now"), EACH, ids=[f"{n}-{k}" for k, (n, _) in enumerate(EACH)])
+@each("field,now", EACH, ids=lambda value: value if isinstance(value, str) else "")
 def test_a_changed_value_is_refused(field: str, now: Setup) -> None:
     assert bool(told(FULL, now)) == (field not in LABELS), (field, now)
 
@@ -171,7 +172,7 @@ def test_so_is_one_of_any_body(body: Any) -> None:
         assert same(made(body), other) == (field in LABELS), (field, other)
 
 
-@pytest.mark.parametrize("field", dataclasses.fields(Setup), ids=lambda f: str(f.name))
+@each("field", dataclasses.fields(Setup), ids=lambda f: str(f.name))
 def test_what_was_left_open_and_is_stated_now_is_refused(field: Any) -> None:
     """And the other way round."""
     default = field.default if field.default is not dataclasses.MISSING else field.default_factory()
