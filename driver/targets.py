@@ -106,10 +106,10 @@ def _wincnc() -> Target:
 
 
 def _wincnc_of(target: Target, machine: Machine, path: Path | None, source: str) -> Target:
-    from gproof.frontend.wincnc.mac_file import names_next_to
+    from gproof.frontend.wincnc.mac_file import commands_next_to
     from gproof.ir.dialects.wincnc.target import adapted
 
-    return adapted(target, machine, None if path is None else names_next_to(path, machine))
+    return adapted(target, machine, None if path is None else commands_next_to(path, machine))
 
 
 def _write_wincnc(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:

@@ -16,6 +16,7 @@ from gproof.driver.running import execute
 from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
 from gproof.ir import codes
+from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
@@ -376,9 +377,21 @@ def terms_of(
             SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
             for old, new in given.offsets.items() for axis in AXIS_NAMES
         ),
-        target_symbols=_only_local(done.target.name, done.session.dialect) + _lengths_in_zeros(done),
+        target_symbols=(
+            *_only_local(done.target.name, done.session.dialect), *_measured(done, source), *_lengths_in_zeros(done),
+        ),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
     )  # fmt: skip
+
+
+def _measured(done: Translation, machine: Machine) -> tuple[SymbolMeaning, ...]:
+    """Measures of tools where the target has them instead of lengths, of tools whose length the source's file says."""
+    names = [name for name in (done.target.name, done.session.dialect) if name in DIALECTS]
+    if [rules_named(name).measured_tools for name in names] != [True, False]:
+        return ()
+    tools = {tool.number: tool.length for tool in machine.tools}
+    named = {done.map.tools.get(number, number): length for number, length in tools.items() if length is not None}
+    return tuple(SymbolMeaning(symbol=f"tool.{number}.z", mm=length) for number, length in sorted(named.items()))
 
 
 def _only_local(name: str, other: str) -> tuple[SymbolMeaning, ...]:

@@ -182,6 +182,8 @@ def _own(node: Node) -> Iterator[str]:
         yield f"cycle_{node.kind}"
         if node.repeats is not None:
             yield "cycle_repeats"
+        if node.dwell is not None and node.kind in {"drill", "peck", "chip_break"}:
+            yield "cycle_peck_dwell"
         if node.plane != "xy":
             yield "cycle_plane"
         if node.clearance is not None:

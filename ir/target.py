@@ -32,6 +32,7 @@ FEATURES: dict[str, str] = {
     "cycle_plane": "drilling cycle in XZ or YZ",
     "cycle_relative": "drilling cycle with relative places",
     "cycle_return": "drilling cycle that ends at the height before it",
+    "cycle_peck_dwell": "peck drilling with dwell",
     "cycle_clearance": "drilling cycle with a clearance of its own",
     "cycle_drill": "drilling cycle",
     "cycle_dwell": "drilling cycle with dwell",

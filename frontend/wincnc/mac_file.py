@@ -68,13 +68,13 @@ def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> tup
     return macros, unread
 
 
-def names_next_to(path: Path, machine: Machine) -> frozenset[str] | None:
-    """The names that CNC.MAC next to a machine file defines; None where there is none, or a line may define another."""
+def commands_next_to(path: Path, machine: Machine) -> dict[str, str] | None:
+    """What CNC.MAC next to a machine file has for each name; None where there is none, or a line may define another."""
     found = next((one for one in path.parent.iterdir() if one.name.lower() == MACRO_FILE), None)
     if found is None:
         return None
     macros, unread = read_macros(read_source(found, dos=True), Findings(), wincnc_settings(machine).lexical)
-    return None if unread else frozenset(name for name, macro in macros.items() if macro.text)
+    return None if unread else {name: macro.text for name, macro in macros.items() if macro.text}
 
 
 def each_macro(

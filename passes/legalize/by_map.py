@@ -56,6 +56,10 @@ def by_map(job: Job, given: TranslationMap, target: Target, machine: Machine, *,
     return Mapped(job=mapped, unused=unused)
 
 
+OFFSET_ACTIONS = frozenset(("select", "store", "store_here"))
+"""Of frames whose number is that of a work offset."""
+
+
 class _Refused(Exception):
     """(construct, why)."""
 
@@ -101,7 +105,7 @@ class _Mapper:
             return replace(node, number=self.number(node.number, "tools", "tool", self.check_tool))
         if isinstance(node, UseLength | Compensate) and node.tool is not None:
             return replace(node, tool=self.number(node.tool, "tools", "tool", self.check_tool))
-        if isinstance(node, SetFrame) and node.number is not None:
+        if isinstance(node, SetFrame) and node.number is not None and node.action in OFFSET_ACTIONS:
             return replace(node, number=self.number(node.number, "offsets", "work offset", self.check_offset))
         return node
 

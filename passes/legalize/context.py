@@ -80,7 +80,7 @@ class Zero:
 
 _KNOWN = (
     "values", "place", "spindle", "coolant", "switched", "turns", "program_place", "zero", "local_off", "kept", "local",
-    "suspended", "remembered", "moved",
+    "suspended", "remembered", "moved", "offsets", "selected",
 )  # fmt: skip
 """What a context knows at a place."""
 
@@ -95,7 +95,8 @@ class Context:
     may have switched so far; zero: the work zero, and kept ones; local_off: no local offset is in force; spare_used:
     the spare work offset of the target is; axes: that the job moves; local: mm by axis of the local offset in force,
     None: not known, suspended: the one that was suspended; remembered: what ``zero_keep`` kept, moved: axes that moved
-    since; settled: a select after which the local offset is brought back; unit: of lengths, as the source has it."""
+    since; settled: a select after which the local offset is brought back; unit: of lengths, as the source has it;
+    offsets: places that the job stored, of offsets that the target does not have, selected: which is in force."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -118,6 +119,8 @@ class Context:
         self.axes = axes_of(job)
         self.local: dict[str, float] | None = {}
         self.suspended: dict[str, float] | None = None
+        self.offsets: dict[int, dict[str, float]] = {}
+        self.selected = 1
         self.unit = next((a.unit for node in self.nodes() for a in quantities(node) if a.unit in MM), "mm")
         self.lowered: list[Lowered] = []
         self.assumed: dict[str, None] = {}
@@ -252,6 +255,11 @@ class Context:
             self.place = {
                 axis: at - here.get(axis, 0.0) for axis, at in self.place.items() if axis in here or axis not in named
             }
+        elif node.action == "zero_at":
+            named = {p.axis for p in node.places}
+            self.place = {axis: at for axis, at in self.place.items() if axis not in named}
+            if self.local is not None:
+                self.local = {axis: at for axis, at in self.local.items() if axis not in named}
         else:
             self.place = {}
             if node.action.startswith(("local", "zero")):
@@ -334,6 +342,8 @@ class Context:
         for node in self._all(body, set()):
             if isinstance(node, SetFrame):
                 self.forget_zero()
+                if node.action in {"store", "store_here", "select"}:
+                    self.offsets, self.selected = {}, 0
                 if node.action.startswith(("local", "zero")):
                     self.local = None
             if isinstance(node, SetVariable):

@@ -75,7 +75,9 @@ class WinCncWriter(JobWriter):
         self.controls = wincnc_settings(machine)
         self.groups = feed_groups(machine)
         letters = {axis.index: axis.word for axis in machine.axes}
-        self.letters = tuple(letters.get(column, "XYZABC"[column]) for column in range(len(AXIS_NAMES)))
+        self.letters = tuple(
+            letters.get(column, "" if letters else "XYZABC"[column]) for column in range(len(AXIS_NAMES))
+        )
         self.files: dict[str, bytes] = {}
         self.in_file = ""
         self.over = False
@@ -195,7 +197,14 @@ class WinCncWriter(JobWriter):
     def words(self, places: Iterable[AxisPlace]) -> list[str]:
         """Axis words."""
         ordered = sorted(places, key=lambda place: AXIS_NAMES.index(place.axis))
+        self.need_axes(bits(ordered))
         return [f"{self.letters[AXIS_NAMES.index(place.axis)]}{self.amount(place.at)}" for place in ordered]
+
+    def need_axes(self, columns: int) -> None:
+        """Unprintable for an axis that the machine does not have."""
+        for column, letter in enumerate(self.letters):
+            if columns >> column & 1 and not letter:
+                raise Unprintable(f"axis {AXIS_NAMES[column].upper()}, which the machine does not have")
 
     def say(self, *words: str) -> None:
         """A line."""
@@ -291,6 +300,7 @@ class WinCncWriter(JobWriter):
     def moves(self, node: Moves) -> None:
         """A table."""
         self._end_cycle()
+        self.need_axes(int(np.bitwise_or.reduce(node.rows["axes"])))
         self.unit([node.unit])
         if self.state.get("relative") != node.relative:
             self.line("G91" if node.relative else "G90")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
@@ -32,7 +34,6 @@ TARGET = Target(
     },
     style=Style(extension=".tap", line_length=256),
     straight_rapids=None,
-    offsets=1,
     peck_clearance=1.27,
     cycle_returns=False,
     two_ways=False,
@@ -45,12 +46,13 @@ USUAL_CLEARANCE = 1.27
 
 NUMBER_ALONE = "G Codes: G4; L Codes: L110"
 """How a tool is changed where CNC.MAC has no M6: the operator does it, and the controller gets its number."""
+_SWITCH = re.compile(r"M(11|12|13|14)C(\d+)", re.IGNORECASE)
 BY_MACROS = {"spindle": ("M3", "M5"), "mist": ("M7", "M9"), "flood": ("M8", "M9")}
 
 
-def adapted(target: Target, machine: Machine, macros: frozenset[str] | None) -> Target:
+def adapted(target: Target, machine: Machine, macros: Mapping[str, str] | None) -> Target:
     """The table for a machine: its settings change what cycles and arcs do (g81set=, g81dwell=, arcs=), and what has
-    no code here is what CNC.MAC defines. macros: names in it, None: it is not known."""
+    no code here is what CNC.MAC defines. macros: commands by name, None: they are not known."""
     settings = wincnc_settings(machine)
     lost: set[str] = set()
     if settings.drill.dwell or settings.drill.other_dwell:
@@ -66,10 +68,16 @@ def adapted(target: Target, machine: Machine, macros: frozenset[str] | None) -> 
     legal = {name: source for name, source in target.legal.items() if name not in lost}
     if macros is not None:
         for name, codes in BY_MACROS.items():
-            if not macros.issuperset(codes):
+            if not macros.keys() >= set(codes) or not _ends(*(macros[code] for code in codes)):
                 legal.pop(name, None)
         if "M6" not in macros and settings.changers:
             legal["tool_change"] = NUMBER_ALONE
         elif "M6" not in macros:
             legal.pop("tool_change", None)
     return replace(target, legal=legal, peck_clearance=USUAL_CLEARANCE if same else None)
+
+
+def _ends(start: str, end: str) -> bool:
+    """Whether a command may switch off what another one switches on: two that name one output each have the same."""
+    found = [_SWITCH.fullmatch(re.sub(r"[ \t]", "", text)) for text in (start, end)]
+    return None in found or len({one.group(2) for one in found if one is not None}) == 1

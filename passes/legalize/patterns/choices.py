@@ -28,8 +28,8 @@ def switched(node: Node, feature: str, context: Context) -> list[Node] | None:
 
 PATTERNS = (
     Pattern(
-        name="choice -> the way that is taken", removes=("choice", "variable", "expression"), apply=decided,
-        unrolls=True,
+        name="choice -> the way that is taken", removes=("choice_else", "choice", "variable", "expression"),
+        apply=decided, unrolls=True,
     ),
     Pattern(
         name="block delete -> what its switch says", removes=("optional_part",), apply=switched, unrolls=True

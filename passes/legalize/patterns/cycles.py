@@ -33,8 +33,13 @@ def single_holes(node: Node, feature: str, context: Context) -> list[Node] | Non
     context.spend(round(count))
     if not node.top.relative:
         return [replace(node, repeats=None)] * round(count)
-    # The top of the others counts from where the tool is after the first one.
-    return None
+    # The heights stay those of the first one.
+    top, depth = _at(node.top, context), context.mm(node.bottom.at)
+    if top is None or depth is None:
+        return None
+    bottom = top + depth if node.bottom.relative else depth
+    hole = replace(node, repeats=None, top=_place(node.top, top), bottom=_place(node.bottom, bottom))
+    return [hole] * round(count)
 
 
 def absolute_hole(node: Node, feature: str, context: Context) -> list[Node] | None:
@@ -75,6 +80,9 @@ def back_to_the_top(node: Node, feature: str, context: Context) -> list[Node] | 
     if top is None or before is None:
         return None
     hole = replace(node, back="top")
+    if before > top and node.kind == "peck":
+        # Between pecks the tool is at the height that the cycle goes back to.
+        return None
     if before > top:
         return [hole, MoveTo(to=(_place(node.top, before),), kind="rapid", span=node.span)]
     if before < top:
@@ -167,6 +175,8 @@ class _Hole:
                 self.rapid(min(depth + lift, self.top))
             self.rapid(near)
         self.context.spend(3 * count)
+        if self.node.dwell is not None:
+            self.found.append(DwellFor(time=self.node.dwell, span=self.span))
         return count <= MOST_PECKS
 
     def up(self) -> None:
@@ -183,7 +193,7 @@ class _Hole:
 
 
 _ALL = (
-    "cycle_return", "cycle_plane", "cycle_relative", "cycle_clearance",
+    "cycle_return", "cycle_peck_dwell", "cycle_plane", "cycle_relative", "cycle_clearance",
     "cycle_drill", "cycle_dwell", "cycle_peck", "cycle_chip_break",
     "cycle_bore", "cycle_bore_dwell", "cycle_bore_stop",
 )  # fmt: skip

@@ -74,10 +74,47 @@ def select_with_local(node: Node, feature: str, context: Context) -> list[Node] 
     return [select, *_shift(node, wanted, context)]
 
 
+def stored_as_zero(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """Work offsets that the job itself stores, as places of the one zero that the target has."""
+    if not isinstance(node, SetFrame) or "frame_zero_at" not in context.target.legal or node.number is None:
+        return None
+    number = context.value(node.number)
+    if number is None or context.local or context.local is None:
+        return None
+    if node.action == "store":
+        places = {place.axis: context.mm(place.at) for place in node.places}
+        if any(value is None for value in places.values()):
+            return None
+        known = context.offsets.setdefault(round(number), {})
+        known |= {axis: value for axis, value in places.items() if value is not None}
+        if number == context.selected:
+            return [SetFrame(action="zero_at", places=node.places, span=node.span)]
+        context.assume("work offsets that the job stores are for this job alone")
+        return []
+    if node.action != "select" or node.axes:
+        return None
+    if number == context.selected:
+        return []
+    at = context.offsets.get(round(number), {})
+    if any(axis not in at for axis in context.axes):
+        return None
+    context.selected = round(number)
+    units = {axis: context.unit if axis in "xyz" else "deg" for axis in at}
+    places_at = tuple(
+        AxisPlace(axis, Quantity(Number(at[axis] / MM.get(units[axis], 1.0), node.span), units[axis]))
+        for axis in AXIS_NAMES
+        if axis in at
+    )
+    return [SetFrame(action="zero_at", places=places_at, span=node.span)]
+
+
 PATTERNS = (
     Pattern(
         name="work offset with a local offset -> with a shift", removes=("frame_select_local",),
         apply=select_with_local, unrolls=True,
+    ),
+    Pattern(
+        name="stored work offset -> zero at its place", removes=("frame_store", "frame_select"), apply=stored_as_zero
     ),
     Pattern(name="work offset -> the only one", removes=("frame_select",), apply=only_offset),
     Pattern(
