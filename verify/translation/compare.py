@@ -309,6 +309,12 @@ class _Walk:
                 self.result.assume("rapid moves of several axes take the same path on both machines")
                 continue
             self.result.open(divergence(kind, (one.place(i), other.place(j)), numbers=(float(count),)))
+        at_machine = tuple(s.place(s.at_machine) if s.at_machine >= 0 else None for s in (one, other))
+        if at_machine != (None, None):
+            if self.terms.machine_zero_shared:
+                self.result.assume("machine coordinates count from the same place on both machines")
+            else:
+                self.result.open(divergence("machine place", (at_machine[0], at_machine[1])))
         for stretch in (one, other):
             if len(stretch.jumps):
                 place = stretch.place(int(stretch.jumps[0]))

@@ -99,6 +99,8 @@ def _same_question(one: Stretch, other: Stretch) -> bool | None:
 def say_assumptions(sides: tuple[Side, Side], result: Comparison) -> None:
     """What the answer rests on whatever the rows say."""
     terms = sides[0].terms
+    if terms.source != terms.target:
+        result.assume("where a program sets no path mode, corners are as each controller takes them by itself")
     if any(state.compensation for side in sides for state in side.trace.states):
         result.assume("the radius of each tool is the one in the machine files")
     if any(side.polls for side in sides):

@@ -19,8 +19,13 @@ Ints = npt.NDArray[np.int64]
 
 FIRST_BLOCK = 256
 """Rows that are compared at once first; twice as many each time that all agree."""
-CALM = 8
-"""Rows in a row that agree one by one before whole columns are compared again."""
+CALM, LONGEST_CALM, SHORT = 8, 1024, 64
+"""Rows in a row that agree one by one before whole columns are compared again: at first, and at most. It gets longer
+each time that fewer than ``SHORT`` rows agree then."""
+
+
+_FURTHER = (k.KIND, k.PLACE, k.FORM, k.MORE_IN_SOURCE, k.MORE_IN_TARGET)
+"""What is found where one of two moves goes further than the other, and something else comes there."""
 
 
 @record(slots=True, kw_only=True)
@@ -54,22 +59,26 @@ def aligned(source: Moves, target: Moves, barriers: Ints, start: Floats, bounds:
     pieces[:, k.DONE] = -1.0
     ints = np.zeros(4, np.int64)
     # What the kernel will have to do until rows agree again nobody knows: as much as the last time.
-    work = float(CALM)
+    work, total, bounds = float(CALM), 0, bounds.copy()
     while ints[k.BARRIER] < len(barriers):
-        if not pieces[:, k.OPEN].any():
+        if not pieces[:, k.OPEN].any() and (not total or ints[k.CALM] == 0):
+            begun = int(ints[k.SOURCE])
             _whole_columns(source, target, barriers, here, ints, bounds, result)
+            is_short = ints[k.SOURCE] - begun < SHORT
+            bounds[k.CALM_ENOUGH] = min(2 * bounds[k.CALM_ENOUGH], LONGEST_CALM) if is_short else CALM
         done = int(ints[k.SOURCE] + ints[k.TARGET])
         found = k.align.pick(work)(source, target, barriers, here, pieces, ints, bounds, result.notes, result.drift)
+        total += 1
         work = float(ints[k.SOURCE] + ints[k.TARGET] - done)
         if found != k.AGREES:
             result.found = int(found)
             break
     result.source, result.target = int(ints[k.SOURCE]), int(ints[k.TARGET])
-    begun = [bool(pieces[n, k.OPEN] and pieces[n, k.DONE] > 0.0) for n in (0, 1)]
-    if result.found not in (k.AGREES, k.CHORD) and begun[0] != begun[1]:
+    parts = [bool(pieces[n, k.OPEN] and pieces[n, k.DONE] > 0.0) for n in (0, 1)]
+    if result.found in _FURTHER and parts[0] != parts[1]:
         # A part of the move was there on the other side, too: it goes further.
         result.found = k.PLACE
-        result.source, result.target = result.source - begun[1], result.target - begun[0]
+        result.source, result.target = result.source - parts[1], result.target - parts[0]
     return result
 
 

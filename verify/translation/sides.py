@@ -130,14 +130,36 @@ class Side:
         if any(is_own(name) or name in self.bound.values() for form in forms for name, _ in form):
             self._arising.add(frame)
 
-    def placed(self, frame: Ints, to: Floats) -> tuple[Ints, Floats, Ints]:
-        """Numbers of frames, positions and numbers of forms by axis, (n,), (n, 6), (n, 6), in shared names."""
+    def placed(self, frame: Ints, to: Floats) -> tuple[Ints, Floats]:
+        """Numbers of frames (n,) and positions (n, 6), in shared names."""
+        used = self._used(frame)
+        if self._shift[used].any():
+            to = to + self._shift[frame]
+        return self._ids[frame], to
+
+    def _used(self, frame: Ints) -> Ints:
+        """The frames that occur, whose numbers are known then."""
         used = np.flatnonzero(np.bincount(frame, minlength=1)) if len(frame) else np.zeros(0, np.int64)
         for number in used[self._ids[used] == 0].tolist():
             self._make(number)
-        if self._shift[used].any():
-            to = to + self._shift[frame]
-        return self._ids[frame], to, self._axis_forms[frame]
+        return used
+
+    def forms_of(self, frame: Ints) -> Ints:
+        """(n, 6): numbers of the forms of frames that ``placed`` has seen; of this side alone."""
+        return np.asarray(self._axis_forms[frame])
+
+    def at_known(self, frame: Ints) -> npt.NDArray[np.bool_]:
+        """(n, 6): whether the axes are at numbers in machine coordinates; (1, 6), all False, where none ever is."""
+        known = self._axis_forms == self._form_ids.get((), -1)
+        if not known[self._used(frame)].any():
+            return np.zeros((1, AXES), np.bool_)
+        return np.asarray(known[frame])
+
+    def shifted(self, center: Floats, frame: Ints) -> Floats:
+        """Centres of arcs in shared names: they count in the frame of their row."""
+        if not self._shift[self._used(frame)].any():
+            return center
+        return np.asarray(center + self._shift[frame][:, :3])
 
     # -- facts
 

@@ -29,7 +29,8 @@ class Stretch:
     """moves: its moves; start, start_frame: where it starts, position and number of its frame; places: (n, 2) file
     and line of each move; events, rests: see ``events``; devices: their state at its end; edges: of its last section;
     jumps: moves before which the place changed without a move; sections: their numbers; kept: by section the rows that
-    are moves; before: file and line of what came before it.
+    are moves; before: file and line of what came before it; at_machine: the first move to a number in
+    machine coordinates, -1: none.
     """
 
     moves: Moves
@@ -45,6 +46,7 @@ class Stretch:
     side: Side
     kept: dict[int, Ints]
     before: Place | None = None
+    at_machine: int = -1
 
     def place(self, row: int) -> Place | None:
         """File and line of a move; of one that is not there, of the last."""
@@ -123,14 +125,25 @@ def _stretch(side: Side, number: int, devices: Devices, ends_of: set[int]) -> St
         reader.read(part.section.rows, part.before + count)
         count += len(part.kept)
     jumps = np.concatenate([part.jumps for part in parts]) if len(parts) > 1 else parts[0].jumps
-    start, shift = side.placed(np.array([sections[0].start_frame]), np.array([sections[0].start]))[:2]
+    start, shift = side.placed(np.array([sections[0].start_frame]), np.array([sections[0].start]))
     return Stretch(
         moves=_joined([part.moves for part in parts]), start=shift[0], start_frame=int(start[0]),
         places=np.concatenate([part.places for part in parts]) if len(parts) > 1 else parts[0].places,
         events=reader.found, rests=reader.rests | {0, count}, devices=reader.devices, edges=sections[-1].edges,
-        jumps=np.flatnonzero(jumps), sections=tuple(section.number for section in sections), side=side,
+        jumps=np.flatnonzero(jumps), at_machine=_first([part.to_machine for part in parts]), side=side,
+        sections=tuple(section.number for section in sections),
         kept={part.section.number: part.kept for part in parts},
     )  # fmt: skip
+
+
+def _first(parts: list[npt.NDArray[np.bool_]]) -> int:
+    """The number of the first row that is marked, -1: none is."""
+    count = 0
+    for part in parts:
+        if part.any():
+            return count + int(np.argmax(part))
+        count += len(part)
+    return -1
 
 
 def _is_read(section: TraceSection) -> bool:
@@ -151,42 +164,45 @@ class _Part:
     def __init__(self, side: Side, section: TraceSection) -> None:
         self.section = section
         rows = section.rows
-        op = rows["op"]
-        frame, to, forms = side.placed(rows["frame"], rows["to"])
-        start, start_to, start_forms = side.placed(np.array([section.start_frame]), np.array([section.start]))
-        came_to = np.concatenate([start_to, to[:-1]]) if len(to) else to
+        op, raw = rows["op"], rows["frame"]
+        frame, to = side.placed(raw, rows["to"])
+        start, start_to = side.placed(np.array([section.start_frame]), np.array([section.start]))
         came_frame = np.concatenate([start, frame[:-1]]) if len(frame) else frame
-        came_forms = np.concatenate([start_forms, forms[:-1]]) if len(forms) else forms
-        moving = (np.abs(to - came_to) > NO_LENGTH) | (forms != came_forms)
-        axes = moving.sum(axis=1)
-        long = (axes > 0) | (op == Op.ARC) | (op == Op.PROBE)
-        kept = (op < 10) & long
+        moving = _moving(side, section, raw, to, start_to)
+        axes = np.add.reduce(moving, axis=1, dtype=np.int64)
+        kept = (op < 10) & ((axes > 0) | (op == Op.ARC) | (op == Op.PROBE))
         self.kept = np.flatnonzero(kept)
         number = np.cumsum(kept)
         self.before: Ints = (number - kept).astype(np.int64)
-        take = self.kept
+        take = slice(None) if len(self.kept) == len(op) else self.kept
+        known = side.at_known(raw)
+        self.to_machine = (moving & known).any(axis=1)[take] if known.any() else np.zeros(len(self.kept), bool)
+        self.places = np.empty((len(self.kept), 2), np.int64)
+        self.places[:, 0], self.places[:, 1] = rows["file"][take], rows["line"][take]
         before = came_frame[take]
-        places = np.empty((len(take), 2), np.int64)
-        places[:, 0], places[:, 1] = rows["file"][take], rows["line"][take]
-        self.places = places
         # The frame changes with rows that do not move: nobody says how the axes got there.
-        self.jumps = np.zeros(len(take), bool)
-        if len(take):
-            ends = np.concatenate([start, frame[take[:-1]]])
-            self.jumps = before != ends
+        ends = np.concatenate([start, frame[take][:-1]]) if len(self.kept) else before
+        self.jumps = before != ends
         self.moves = Moves(
             op=op[take].astype(np.int64), to=np.ascontiguousarray(to[take]), frame=frame[take], before=before,
             fact=side.facts(rows["state"])[take], feed=rows["feed"][take],
-            center=_shifted(side, rows["center"][take], rows["frame"][take]),
-            turns=rows["turns"][take].astype(np.int64), plane=rows["plane"][take].astype(np.int64),
-            axes=axes[take].astype(np.int64),
+            center=side.shifted(rows["center"][take], raw[take]), turns=rows["turns"][take].astype(np.int64),
+            plane=rows["plane"][take].astype(np.int64), axes=axes[take],
         )  # fmt: skip
 
 
-def _shifted(side: Side, center: Floats, frame: Ints) -> Floats:
-    """Centres in shared names: they count in the frame of their row."""
-    _, moved, _ = side.placed(frame, np.zeros((len(frame), 6)))
-    return center + moved[:, :3]
+def _moving(side: Side, section: TraceSection, raw: Ints, to: Floats, start_to: Floats) -> npt.NDArray[np.bool_]:
+    """(n, 6): whether an axis may move in a row: another number, or another form."""
+    way = np.empty_like(to)
+    if len(to):
+        np.subtract(to[:1], start_to, out=way[:1])
+        np.subtract(to[1:], to[:-1], out=way[1:])
+    moving = np.asarray(np.abs(way, out=way) > NO_LENGTH)
+    came = np.concatenate([[section.start_frame], raw[:-1]])
+    changed = np.flatnonzero(raw != came[: len(raw)])
+    if len(changed):
+        moving[changed] |= side.forms_of(raw[changed]) != side.forms_of(came[changed])
+    return moving
 
 
 def _joined(parts: list[Moves]) -> Moves:

@@ -43,6 +43,7 @@ OPEN: dict[str, str] = {
     "nothing there": "one of the programs has no trace",
     "too many states": "a place of the programs is reached in too many states to compare all",
     "place": "the position rests on something that arises in the run and is not matched on the other side",
+    "machine place": "a move to machine coordinates, which do not count from the same place on both machines",
     "feed unknown": "the feed is unknown",
     "rapid": "rapid moves of several axes: the path is not the same on both machines, or unknown",
     "not followed": "what comes after this line is unknown",
