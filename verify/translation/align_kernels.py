@@ -13,8 +13,7 @@ one move with a part of another that start and end at most a tolerance apart:
   ``r (1 - cos(h / 2))`` in the plane, what the radius changes, and along the axis (the arc runs evenly with the angle,
   the chord with its length) at most ``h * h / 50`` of the part's rise.
 
-A straight part that is shorter than the tolerance may be passed over, as long as both paths stay within it of each
-other.
+A part that is shorter than the tolerance may be passed over, as long as both paths stay within it of each other.
 """
 
 from __future__ import annotations
@@ -367,10 +366,10 @@ def step(source: Moves, target: Moves, pieces: Floats, ints: Ints, bounds: Float
         found = alike(source, i, target, j, bounds, notes)
     if not fits or found != AGREES:
         # What is shorter than the tolerance may be passed over.
-        if one[CUTS] != 0.0 and one[IS_ARC] == 0.0 and small(one, other, bounds):
+        if one[CUTS] != 0.0 and small(one, other, bounds):
             one[OPEN] = 0.0
             return AGREES
-        if other[CUTS] != 0.0 and other[IS_ARC] == 0.0 and small(other, one, bounds):
+        if other[CUTS] != 0.0 and small(other, one, bounds):
             other[OPEN] = 0.0
             return AGREES
         return found if fits else failure(source, i, target, j, pieces, bounds)
@@ -408,9 +407,18 @@ def near(one: Floats, u: float, other: Floats, v: float, bounds: Floats) -> bool
 
 
 @kernel(seconds_per_unit=2e-5, borrows=True)
+def long_arc(piece: Floats, bounds: Floats) -> bool:
+    """Whether what is left of a piece is an arc longer than the tolerance; its ends may be near all the same."""
+    if piece[IS_ARC] == 0.0:
+        return False
+    radius = max(piece[R0], piece[R1])
+    return bool(radius * abs((1.0 - piece[DONE]) * piece[SWEEP]) > bounds[MM])
+
+
+@kernel(seconds_per_unit=2e-5, borrows=True)
 def small(piece: Floats, other: Floats, bounds: Floats) -> bool:
-    """Whether what is left of a straight piece ends where the other path is, within the tolerance, and is shorter."""
-    if apart(piece, 1.0, piece, np.float64(piece[DONE]), bounds) > 1.0:
+    """Whether what is left of a piece ends where the other path is, within the tolerance, and is shorter."""
+    if long_arc(piece, bounds) or apart(piece, 1.0, piece, np.float64(piece[DONE]), bounds) > 1.0:
         return False
     return apart(piece, 1.0, other, np.float64(other[DONE]), bounds) <= 1.0
 
@@ -458,7 +466,7 @@ def align(
                 away = max(
                     away, abs(pieces[k, END + a] - coordinate(pieces[k], np.float64(pieces[k, DONE]), a)) / tolerance
                 )
-            if pieces[k, IS_ARC] != 0.0 or pieces[k, CUTS] == 0.0 or away > 1.0:
+            if pieces[k, CUTS] == 0.0 or away > 1.0 or long_arc(pieces[k], bounds):
                 return MORE_IN_SOURCE if k == 0 else MORE_IN_TARGET
             pieces[k, OPEN] = 0.0
         for k in range(2):
