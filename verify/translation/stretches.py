@@ -176,7 +176,8 @@ class _Part:
         self.before: Ints = (number - kept).astype(np.int64)
         take = slice(None) if len(self.kept) == len(op) else self.kept
         known = side.at_known(raw)
-        self.to_machine = (moving & known).any(axis=1)[take] if known.any() else np.zeros(len(self.kept), bool)
+        there = np.any(moving & known, axis=1) if known.any() else np.zeros(len(op), np.bool_)
+        self.to_machine: npt.NDArray[np.bool_] = np.asarray(there)[take]
         self.places = np.empty((len(self.kept), 2), np.int64)
         self.places[:, 0], self.places[:, 1] = rows["file"][take], rows["line"][take]
         before = came_frame[take]
