@@ -154,6 +154,9 @@ def output(raiser: LineRaiser, line: Command, rule: CodeRule, channels: Channels
         return [TurnSpindle(direction=channels.spindle[number] if on else "off", span=line.span)]
     if number in channels.coolant:
         return [_coolant(channels.coolant[number], on, line.span)]
+    if not on and number in raiser.program.spindle_outputs.coolant:
+        # Which of both it is, no line of the job says: that it is off is all that counts.
+        return [SwitchCoolant(mist=False, flood=False, span=line.span)]
     return [SwitchOutput(channel=channel, value=Number(float(on), line.span), moving=moving, span=line.span)]
 
 

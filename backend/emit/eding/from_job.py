@@ -120,7 +120,9 @@ class EdingWriter(Rs274Writer):
             self.put(ONCE, ["G69"], node.span)
         elif node.action == "scale":
             factors = [f"{'IJK'['xyz'.index(one.axis)]}{self.amount(one.at)}" for one in node.factors]
-            self.put(ONCE, ["G51", *self.words(node.places), *factors], node.span)
+            given = {one.axis for one in node.places}
+            rest = [f"{axis.upper()}0" for axis in "xy" if axis not in given]  # 3.4.13: about a place, always
+            self.put(ONCE, ["G51", *self.words(node.places), *rest, *factors], node.span)
             self.flush()
         elif node.action == "scale_off":
             self.put(ONCE, ["G50"], node.span)
