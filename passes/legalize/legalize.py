@@ -169,6 +169,8 @@ class _Legalizer:
             found.add("routine")
         if isinstance(node, SetFrame) and self.context.loses_local(node):
             found.add("frame_select_local")
+        if isinstance(node, SetFrame) and self.context.turns.get(_kind(node), SAME) != SAME:
+            found.add(f"frame_{_kind(node)}")  # it is in the numbers, although the target has the operation
         if isinstance(node, DrillHole) and node.back == "before" and not self.target.cycle_returns:
             found.add("cycle_return")
         if isinstance(node, Choice) and node.otherwise and not self.target.two_ways:
@@ -301,6 +303,11 @@ class _Legalizer:
         if {k: t for k, t in turns.items() if t != SAME} != {k: t for k, t in self.context.turns.items() if t != SAME}:
             why = "it is switched in a loop or on one way of a choice"
             self.refused.append(NotLegal("rotation, scaling or mirror", why, node.span))
+
+
+def _kind(node: SetFrame) -> str:
+    """Of an action that has two ways, without the way: ``scale`` of ``scale_off``."""
+    return node.action.partition("_")[0]
 
 
 def _runs(body: Nodes) -> list[RunRoutine]:

@@ -89,10 +89,11 @@ def trace(case: Case, program: str, setup: dict[str, Any], folder: Path) -> tupl
     start = dict(zip(AXES, setup["start"], strict=True))
     is_bad = {Severity.ERROR, Severity.UNKNOWN}
     bad = [f"{f.span.line}: {f.code.label} {f.message}" for f in findings.kept if f.severity in is_bad]
-    return _worded(rows, start, case.dialect(program)), bad
+    return worded(rows, start, case.dialect(program)), bad
 
 
-def _worded(rows: list[dict[str, Any]], start: dict[str, float], dialect: str) -> list[dict[str, Any]]:
+def worded(rows: list[dict[str, Any]], start: dict[str, float], dialect: str) -> list[dict[str, Any]]:
+    """Rows in the words of README.md."""
     kept: list[dict[str, Any]] = []
     before = list(start.values())
     for found in rows:
@@ -208,7 +209,7 @@ def test_texts_for_linuxcnc_and_grbl(shop: Path) -> None:
             questions.append((case, name, setup))
     differences: dict[tuple[str, str], list[str]] = {}
     for (case, name, setup), run in zip(questions, rs274_peer.run_peers(jobs), strict=True):
-        rows = _worded(run.rows, dict(zip(AXES, setup["start"], strict=True)), case.dialect(name))
+        rows = worded(run.rows, dict(zip(AXES, setup["start"], strict=True)), case.dialect(name))
         wanted = [placed(row, setup) for row in case.rows(name)]
         found = difference(wanted, rows)
         differences.setdefault((case.name, name), []).append(found)

@@ -234,7 +234,7 @@ class Rs274Writer(JobWriter):
         if node.peck is not None:
             series.append(f"Q{self.amount(node.peck)}")
         if node.dwell is not None:
-            series.append(f"P{self.amount(node.dwell)}")
+            series.append(f"P{self.seconds(node.dwell)}")
         repeats = [] if node.repeats is None else [f"L{self.expression(node.repeats)}"]
         known = (node.kind, tuple(series), node.top.relative)
         at = self.words(node.at)
@@ -252,9 +252,12 @@ class Rs274Writer(JobWriter):
 
     def dwell(self, node: DwellFor) -> None:
         """G4 P, seconds."""
-        value = self.scaled(node.time.value, 0.001) if node.time.unit == "ms" else node.time.value
-        self.put(DWELL, ["G4", f"P{self.expression(value)}"], node.span)
+        self.put(DWELL, ["G4", f"P{self.seconds(node.time)}"], node.span)
         self.flush()
+
+    def seconds(self, time: Quantity) -> str:
+        """A time as P has it."""
+        return self.expression(self.scaled(time.value, 0.001) if time.unit == "ms" else time.value)
 
     def pause(self, node: PauseJob) -> None:
         """M0, M1."""
