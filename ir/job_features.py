@@ -211,6 +211,8 @@ def _own(node: Node) -> Iterator[str]:
             yield "tool_select"
         if node.change:
             yield "tool_change"
+            if node.number is None:
+                yield "tool_change_selected"
             yield "tool_change_rests" if node.rests else "tool_change_running"
     elif isinstance(node, TurnSpindle):
         yield "spindle_speed" if node.direction == "speed" else "spindle"

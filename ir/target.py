@@ -90,6 +90,7 @@ FEATURES: dict[str, str] = {
     "compensation_diameter": "cutter compensation with a diameter of its own",
     "length": "tool length offset",
     "tool_select": "tool selected before the change",
+    "tool_change_selected": "change to the tool that was selected before",
     "tool_change_rests": "tool change that stops the spindle",
     "tool_change_running": "tool change that leaves the spindle as it is",
     "tool_change": "tool change",

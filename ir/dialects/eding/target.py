@@ -30,6 +30,7 @@ TARGET = Target(
         "path_filter": "3.4.16", "input_read": "3.5.9", "guard": "4.2", "path_exact_path": "3.4.16",
         "path_exact_stop": "3.4.16", "compensation": "3.4.11", "compensation_diameter": "3.4.11", "length": "3.4.12",
         "tool_select": "3.1.2", "tool_change": "3.5.3", "tool_change_rests": "3.5.3",
+        "tool_change_selected": "3.5.3",
         "spindle_speed": "3.5.2", "spindle": "3.5.2", "mist": "3.5.4",
         "flood": "3.5.4", "output": "3.5.9", "wait": "3.5.9", "wait_timeout": "3.5.9", "dwell": "3.4.4",
         "stop": "3.5.1", "optional_stop": "3.5.1", "overrides": "3.5.5", "message": "4.2", "feed_alone": "3.7",

@@ -29,6 +29,7 @@ TARGET = Target(
         "frame_local_restore": "G-Codes G92.3", "path_continuous": "G-Codes G64", "path_tolerance": "G-Codes G64",
         "path_exact_path": "G-Codes G61", "path_exact_stop": "G-Codes G61.1", "length": "G-Codes G43 G49",
         "tool_select": "M-Codes T", "tool_change": "M-Codes M6", "tool_change_rests": "M-Codes M6",
+        "tool_change_selected": "M-Codes M6",
         "spindle_speed": "M-Codes S",
         "spindle": "M-Codes M3 M4 M5", "mist": "M-Codes M7", "flood": "M-Codes M8", "output": "M-Codes M62-M65",
         "output_moving": "M-Codes M62-M65", "wait": "M-Codes M66", "wait_timeout": "M-Codes M66", "dwell": "G-Codes G4",

@@ -25,6 +25,7 @@ TARGET = Target(
         "frame_zero_at": "3.26", "frame_zero_shift": "3.26", "frame_zero_keep": "3.33",
         "frame_zero_recall": "3.34",
         "tool_select": "5.5", "tool_change": "4.7", "tool_change_running": "4.7",
+        "tool_change_selected": "4.7",
         "spindle_speed": "5.4", "spindle": "4.4", "flood": "4.8",
         "output": "4.11", "output_moving": "4.11", "dwell": "3.5", "stop": "4.1", "optional_stop": "4.2",
         "message": "5.7.2", "feed_alone": "5.3", "straight": "3.2", "rapid": "3.1", "end": "4.3", "end_reset": "4.13",
@@ -60,7 +61,8 @@ def adapted(target: Target, machine: Machine, source: str) -> Target:
     if tool is None or tool.action == "unknown":
         legal = {name: source for name, source in legal.items() if name not in ("tool_select", "tool_change")}
     elif tool.action == "tool_change":
-        legal.pop("tool_select")
+        for feature in ("tool_select", "tool_change_selected"):
+            legal.pop(feature)
     home = din.task("G74")
     if home is not None and home.action == "home":
         legal["home"] = "3.23"

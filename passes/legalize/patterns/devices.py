@@ -117,7 +117,10 @@ def plain_end(node: Node, feature: str, context: Context) -> list[Node] | None:
 PATTERNS = (
     Pattern(name="coolant -> the other coolant", removes=("mist", "flood"), apply=coolant_by_map, unrolls=True),
     Pattern(name="tool selected early -> at the change", removes=("tool_select",), apply=selected_with_the_change),
-    Pattern(name="change -> change with a number", removes=("tool_change",), apply=change_with_number, unrolls=True),
+    Pattern(
+        name="change -> change with a number", removes=("tool_change_selected", "tool_change"),
+        apply=change_with_number, unrolls=True,
+    ),
     Pattern(name="tool change -> stop", removes=("tool_change",), apply=change_as_stop),
     Pattern(
         name="message -> comment", removes=("message", "variable", "expression", "system_variable"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from gproof.ir.job import Compensate, Node, SetFrame, UseLength, walk
+from gproof.ir.job import Compensate, Node, UseLength, walk
 from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
 
@@ -33,27 +33,9 @@ def no_length(node: Node, feature: str, context: Context) -> list[Node] | None:
     return []
 
 
-_ENDS = {"rotate_off": "rotate", "scale_off": "scale", "mirror_off": "mirror"}
-
-
-def no_transform(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """The end of a rotation, a scale or a mirror that the job never has."""
-    if not isinstance(node, SetFrame) or node.action not in _ENDS:
-        return None
-    started = _ENDS[node.action]
-    if not _never(context, SetFrame, lambda one: one.action == started):
-        return None
-    context.assume("no rotation, scale or mirror is on when the job starts")
-    return []
-
-
 PATTERNS = (
     Pattern(
         name="end of a compensation that never starts -> nothing", removes=("compensation",), apply=no_compensation
     ),
     Pattern(name="end of a tool length that is never used -> nothing", removes=("length",), apply=no_length),
-    Pattern(
-        name="end of a transformation that never starts -> nothing",
-        removes=("frame_rotate", "frame_scale", "frame_mirror"), apply=no_transform,
-    ),
 )  # fmt: skip
