@@ -1,44 +1,101 @@
-"""``gproof translate``: a program for another controller, with what is proven of it."""
+"""``gproof translate``: a program, or a folder of programs, for another controller, with what is proven of it."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from gproof.driver.errors import UsageError
-from gproof.driver.files import require_place
-from gproof.driver.translation import Translation, Wanted, translate
-from gproof.ir.finding import Severity
-from gproof.ir.verdict import Verdict
+from gproof.driver.files import require_file, require_place, write_bytes
+from gproof.driver.jobs import find_jobs
+from gproof.driver.session import open_session
+from gproof.driver.targets import TARGETS
+from gproof.driver.translation import Translation, Wanted, raised, translate
+from gproof.driver.translation_map import proposed, toml_of
+from gproof.ir.finding import Findings, Severity
+from gproof.ir.verdict import Verdict, worst
 from gproof.report.text import print_findings
-from gproof.report.translation_text import summary_lines, translation_json
+from gproof.report.translation_text import markdown_of, summary_lines, translation_json
+
+PROPOSE = "init"
+"""In place of the file of ``--map``: print one instead of translating."""
 
 
-def run_translate(wanted: Wanted, *, output: Path, allow_unproven: bool, form: str) -> int:
+def run_translate(wanted: Wanted, *, output: Path | None, allow_unproven: bool, form: str) -> int:
     """Translate, report, and write what is proven; the exit code."""
+    if wanted.to not in TARGETS:
+        raise UsageError(f"--to {wanted.to}: choose one of {', '.join(TARGETS)}")
+    if wanted.map == Path(PROPOSE) and not Path(PROPOSE).exists():
+        return _propose(wanted)
+    if output is None:
+        raise UsageError("-o FILE is missing: where to write the program")
+    if wanted.job.is_dir():
+        return _folder(wanted, output, allow_unproven=allow_unproven, form=form)
+    return _one(wanted, output, {}, allow_unproven=allow_unproven, form=form).exit_code
+
+
+def _propose(wanted: Wanted) -> int:
+    """Print a map with every number that the job uses."""
+    require_file(wanted.job, "job")
+    session = open_session(wanted.job, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect)
+    if session.program is None:
+        print_findings(session.findings, err=True)
+        return Verdict.UNSAFE.exit_code
+    target = TARGETS[wanted.to].target()
+    click.echo(toml_of(proposed(raised(session), target), session.dialect, target.title), nl=False)
+    return 0
+
+
+def _folder(wanted: Wanted, output: Path, *, allow_unproven: bool, form: str) -> int:
+    """Every program of a folder; files that several of them call are written once."""
+    if output.exists() and not output.is_dir():
+        raise UsageError(f"output {output}: is a file; for a folder of programs give a folder")
+    found = find_jobs(
+        [str(wanted.job)], _print_files, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect
+    )  # fmt: skip
+    output.mkdir(parents=True, exist_ok=True)
+    extension = TARGETS[wanted.to].target().style.extension
+    written: dict[Path, bytes] = {}
+    verdicts = []
+    for job in found:
+        one = replace(wanted, job=job.path, machine=job.machine, setup=job.setup, dialect=job.dialect)
+        place = output / job.path.relative_to(wanted.job).with_suffix(extension)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        verdicts.append(_one(one, place, written, allow_unproven=allow_unproven, form=form))
+    return worst(verdicts).exit_code
+
+
+def _print_files(findings: Findings) -> None:
+    print_findings(findings, err=True)
+
+
+def _one(
+    wanted: Wanted, output: Path, written: dict[Path, bytes], *, allow_unproven: bool, form: str
+) -> Verdict:  # fmt: skip
+    """One program; written: files of subprograms that earlier ones wrote."""
     require_place(output, "output", (wanted.job, wanted.machine, wanted.machine_to, wanted.setup))
     done = translate(wanted)
     open_ = done.verdict is Verdict.UNKNOWN and (allow_unproven or done.partial)
     writes = bool(done.files) and (done.verdict is Verdict.SAFE or open_)
-    if form == "json":
-        click.echo(json.dumps(translation_json(done, output, written=writes), indent=2))
-    else:
+    if form == "text":
         print_findings(done.findings, err=True)
     if writes:
-        _write(done, wanted, output)
-    if form != "json":
+        _write(done, wanted, output, written)
+    if form == "json":
+        click.echo(json.dumps(translation_json(done, output, written=writes), indent=2))
+    elif form == "markdown":
+        click.echo(markdown_of(done, wanted.job, output, written=writes), nl=False)
+    else:
         for line in summary_lines(done, wanted.job, output, written=writes):
             click.echo(line)
-    return done.verdict.exit_code
+    return done.verdict
 
 
-def _write(done: Translation, wanted: Wanted, output: Path) -> None:
+def _write(done: Translation, wanted: Wanted, output: Path, written: dict[Path, bytes]) -> None:
     """The files, each in one step; what is not proven says so in its first comment."""
-    from gproof.driver.files import write_bytes
-    from gproof.driver.targets import TARGETS
-
     note = ""
     if done.verdict is not Verdict.SAFE:
         reason = next((one for one in done.findings.kept if one.severity in {Severity.UNKNOWN, Severity.ERROR}), None)
@@ -46,8 +103,10 @@ def _write(done: Translation, wanted: Wanted, output: Path) -> None:
         begin, end = TARGETS[wanted.to].comment
         plain = "".join(" " if one in "()[]%'\"" else one for one in words)[:200]
         note = f"{begin}{plain}{end}{done.target.style.newline}"
-    for name, text in done.files.items():
-        path = output.parent / name if name else output
-        if name and path.exists():
+    files = {output.parent / name if name else output: text for name, text in done.files.items()}
+    for path, text in files.items():
+        if path != output and path.exists() and written.get(path) != text:
             raise UsageError(f"output {path}: exists; choose another folder for -o")
-        write_bytes(path, text if name else note.encode() + text, "output")
+    for path, text in files.items():
+        write_bytes(path, note.encode() + text if path == output else text, "output")
+        written[path] = text

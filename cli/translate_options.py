@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from gproof.cli.help import Command, option
-from gproof.cli.options import FILE, FORMAT, JOB, TRANSLATION, FileName, Finite, job_options, once
+from gproof.cli.options import FILE, JOB, REPORT, TRANSLATION, FileName, Finite, job_options, once
 
 
 @click.command(
@@ -21,7 +21,7 @@ from gproof.cli.options import FILE, FORMAT, JOB, TRANSLATION, FileName, Finite,
 @job_options
 @once("--to", title=TRANSLATION, metavar="NAME", type=str, required=True, help="Controller to translate to")
 @once("--machine-to", title=TRANSLATION, metavar=FILE, type=FileName(), help="Machine file of that controller")
-@once("-o", "--output", title=TRANSLATION, metavar=FILE, type=FileName(), required=True, help="Program to write")
+@once("-o", "--output", title=TRANSLATION, metavar=FILE, type=FileName(), help="Program to write, or folder")
 @option(
     "--chord-tolerance", title=TRANSLATION, metavar="MM", type=Finite(0.0001, 10.0), default=0.01,
     help="How far chords may be from an arc that the controller does not have [default: 0.01]",
@@ -32,19 +32,18 @@ from gproof.cli.options import FILE, FORMAT, JOB, TRANSLATION, FileName, Finite,
     default="assumed", help="Rapids of several axes: the same path is assumed, or they must be straight on both",
 )  # fmt: skip
 @once(
-    "--map",
-    "map_file",
-    title=TRANSLATION,
-    metavar=FILE,
-    type=FileName(),
-    help="Outputs, tools and words of both (TOML)",
-)
+    "--map", "map_file", title=TRANSLATION, metavar="FILE|init", type=FileName(),
+    help="Which output, input and tool of one machine is which of the other (TOML); init: propose one",
+)  # fmt: skip
 @option("--partial", title=TRANSLATION, is_flag=True, help="Write what comes before the first refused construct")
 @option("--allow-unproven", title=TRANSLATION, is_flag=True, help="Write it even if it is not proven")
-@FORMAT
+@option(
+    "--format", "form", title=REPORT, metavar="[text|json|markdown]", type=click.Choice(["text", "json", "markdown"]),
+    default="text", help="Format of the report [default: text]",
+)  # fmt: skip
 def translate(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
-    max_branches: int, call: str | None, render: bool, to: str, machine_to: Path | None, output: Path,
+    max_branches: int, call: str | None, render: bool, to: str, machine_to: Path | None, output: Path | None,
     chord_tolerance: float, exact: bool, rapids: str, map_file: Path | None, partial: bool,
     allow_unproven: bool, form: str,
 ) -> int:  # fmt: skip

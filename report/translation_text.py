@@ -43,6 +43,27 @@ def summary_lines(done: Translation, job: Path, output: Path, *, written: bool) 
     return lines
 
 
+def markdown_of(done: Translation, job: Path, output: Path, *, written: bool) -> str:
+    """The same as a page."""
+    head, *rest = summary_lines(done, job, output, written=written)
+    lines = [f"# {job.name} for {done.target.title}", "", f"**{done.verdict.value}**: {head}", ""]
+    found = [one for one in done.findings.kept if one.code.number // 100 == CODES]
+    if found:
+        lines += ["| line | finding | what |", "|---|---|---|"]
+        lines += [f"| {one.span.line} | {one.code.label} | {_cell(one.message)} |" for one in found]
+        lines.append("")
+    lines += [f"- {line.strip()}" for line in rest]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+CODES = 7
+"""Hundred of the findings of translation."""
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("<", "&lt;")
+
+
 def translation_json(done: Translation, output: Path, *, written: bool) -> dict[str, Any]:
     """The same for programs."""
     found = done.comparison
