@@ -356,7 +356,8 @@ def terms_of(
     half = 0.5 * max(10.0**-style.decimals_mm, 25.4 * 10.0**-style.decimals_inch) * ROUNDING
     chords = any(one.pattern == "arc -> chords" for one in done.lowered)
     left_out = frozenset(
-        name for name, had in (("path_mode", done.target.path_modes), ("guards", "guard" in done.target.legal))
+        name for name, had in (("path_mode", done.target.path_modes), ("guards", "guard" in done.target.legal),
+            ("table", "frame_store" in done.target.legal),)
         if not had
     )  # fmt: skip
     given = done.map

@@ -39,6 +39,7 @@ from gproof.ir.job import (
     RepeatGrid,
     SetFrame,
     ShowText,
+    UseLength,
     walk,
 )
 from gproof.ir.machine import Machine
@@ -331,7 +332,14 @@ class WinCncRaiser(LineRaiser):
         self.forget_height()
         self.set_own("settled", False)
         change = ChangeTool(number=number, select=True, change=True, span=node.span)
-        return [change, *devices.left_by(inner, self.routines, node.span)]
+        left = devices.left_by(inner, self.routines, node.span)
+        lengths = self.own_mode("lengths", True)
+        if unknown(lengths):
+            raise Unraisable("M6", "whether G49 is in force depends on the way that the program took")
+        if lengths and not any(isinstance(one, UseLength) for one in left):
+            # The measure of a tool counts from its L101 on.
+            left.insert(0, UseLength(on=True, span=node.span))
+        return [change, *left]
 
     def call(self, node: Call) -> list[Node]:
         """M98: a file with its words as arguments; the caller's zero is back after it."""

@@ -155,6 +155,7 @@ def lengths(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Node]:
     if line.axes():
         raise Unraisable(f"{rule.text} of some axes", "a length of one head alone")
     raiser.forget_height()
+    raiser.set_own("lengths", rule.function is F.TOOL_OFFSET_ON)
     return [UseLength(on=rule.function is F.TOOL_OFFSET_ON, span=line.span)]
 
 

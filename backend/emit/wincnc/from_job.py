@@ -384,12 +384,25 @@ class WinCncWriter(JobWriter):
         if not node.change or node.number is None:
             raise Unprintable("a tool that is selected before its change")
         tool = text_of(number(node.number), 0)
+        self.change(node, tool)
+        self.flush()
+        if not self.lengths():
+            # A tool's measure counts from its number on.
+            self.say("G49")
+
+    def lengths(self) -> bool:
+        """Whether tool lengths are in force, or may be."""
+        on = any(isinstance(node, UseLength) and node.on for node in self.all_nodes())
+        usual = on or self.job.source == "wincnc"
+        return bool(self.state.get("lengths", usual))
+
+    def change(self, node: ChangeTool, tool: str) -> None:
+        """G4 and L110, or M6 of CNC.MAC."""
         if self.target.legal["tool_change"] == NUMBER_ALONE:
             self.say("G4", self.comment(f"insert tool {tool}"))
             self.command(node.span, "L110", f"T{tool}")
             return
         self.command(node.span, "M6", f"T{tool}")
-        self.state.pop("relative", None) if "relative" not in self.constant else None
         self.state["motion"] = None
 
     def output(self, node: SwitchOutput) -> None:
@@ -407,6 +420,7 @@ class WinCncWriter(JobWriter):
     def length(self, node: UseLength) -> None:
         """G43, G49: that of the tool in the spindle."""
         self.command(node.span, "G43" if node.on else "G49")
+        self.state["lengths"] = node.on
 
     def home(self, node: HomeAxes) -> None:
         """G28, axis by axis."""
