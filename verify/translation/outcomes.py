@@ -104,7 +104,7 @@ def say_assumptions(sides: tuple[Side, Side], result: Comparison) -> None:
     if any(state.compensation for side in sides for state in side.trace.states):
         result.assume("the radius of each tool is the one in the machine files")
     if any(side.polls for side in sides):
-        result.assume("what a program asks for again and again is noticed in time")
+        result.assume("an input that a program reads again and again is noticed in time")
     for name in sorted(terms.left_out):
         result.assume(f"not compared, because one of the controllers does not have it: {name}")
     for mine, side in ((terms.source, sides[0]), (terms.target, sides[1])):
