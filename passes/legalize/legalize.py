@@ -171,7 +171,7 @@ class _Legalizer:
             found.add("frame_select_local")
         if isinstance(node, SetFrame) and self.context.turns.get(_kind(node), SAME) != SAME:
             found.add(f"frame_{_kind(node)}")  # it is in the numbers, although the target has the operation
-        if isinstance(node, DrillHole) and node.back == "before" and not self.target.cycle_returns:
+        if isinstance(node, DrillHole) and not self.target.cycle_returns and self._returns(node):
             found.add("cycle_return")
         if isinstance(node, Choice) and node.otherwise and not self.target.two_ways:
             found.add("choice_else")
@@ -180,6 +180,12 @@ class _Legalizer:
             if own is not None and given is not None and abs(given - own) < SAME_CLEARANCE:
                 found.discard("cycle_clearance")
         return sorted(found, key=lambda feature: -RANK[feature])
+
+    def _returns(self, node: DrillHole) -> bool:
+        """Whether a hole moves to heights to which a cycle that only knows its top does not: after it, or first up."""
+        top, before = self.context.mm(node.top.at), self.context.place.get(node.top.axis)
+        is_below = top is not None and before is not None and not node.top.relative and before < top
+        return node.back == "before" or is_below
 
     def _has_operator(self, node: Node) -> bool:
         """Whether an expression has an operator that the target's expressions do not have."""

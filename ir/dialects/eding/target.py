@@ -20,7 +20,7 @@ TARGET = Target(
         "cycle_bore": "3.4.21.8", "cycle_bore_stop": "3.4.21.9", "cycle_bore_dwell": "3.4.21.12",
         "cycle_tap_right": "3.4.21.6", "cycle_tap_left": "3.4.21.7", "cycle_repeats": "3.4.21",
         "cycle_relative": "3.4.21", "cycle_plane": "3.4.21",
-        "arc": "3.4.3.2", "arc_radius": "3.4.3.1", "arc_full": "3.4.3.2", "arc_helix": "3.4.3", "arc_xz": "3.4.6",
+        "arc": "3.4.3.2", "arc_radius": "3.4.3.1", "arc_helix": "3.4.3", "arc_xz": "3.4.6",
         "arc_yz": "3.4.6", "unit_mm": "3.4.7", "unit_inch": "3.4.7", "relative": "3.4.22", "probe": "3.4.10",
         "inverse_time": "3.4.24", "per_revolution": "3.4.24", "machine_move": "3.4.14", "park": "3.4.8",
         "frame_rotate": "3.4.18", "frame_scale": "3.4.13", "frame_store": "3.4.5", "frame_store_here": "3.4.5",
