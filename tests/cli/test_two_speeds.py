@@ -92,7 +92,7 @@ def results(speed: str, given: list[list[str]]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-@pytest.mark.parametrize("step", sizes(6, 1))
+@pytest.mark.parametrize("step", sizes(10, 1))
 def test_both_speeds_give_the_same_bytes(tmp_path: Path, step: int) -> None:
     given = commands(tmp_path, step)
     both = list(zip(given, results("python", given), results("numba", given), strict=True))

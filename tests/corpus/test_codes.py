@@ -184,7 +184,7 @@ def test_a_pair_is_whole() -> None:
             assert (folder / settings(folder, dialect, side)["program"]).is_file(), f"{folder.name} {dialect} {side}"
 
 
-@pytest.mark.parametrize(("folder", "dialect"), share(EXAMPLES, 2), ids=cell_name)
+@pytest.mark.parametrize(("folder", "dialect"), share(EXAMPLES, 3), ids=cell_name)
 def test_bad_program_gives_its_code(folder: Path, dialect: str, gproof: Runner) -> None:
     program, result = gproof(folder, dialect, "bad")
     code = folder.name
@@ -198,7 +198,7 @@ def test_bad_program_gives_its_code(folder: Path, dialect: str, gproof: Runner) 
     assert not result.strange, "\n".join(result.strange)
 
 
-@pytest.mark.parametrize(("folder", "dialect"), share(EXAMPLES, 2), ids=cell_name)
+@pytest.mark.parametrize(("folder", "dialect"), share(EXAMPLES, 3), ids=cell_name)
 def test_good_program_gives_no_error(folder: Path, dialect: str, gproof: Runner) -> None:
     _, result = gproof(folder, dialect, "good")
     assert [one for one in result.found if one.severity in JUDGED or one.code == folder.name] == []

@@ -12,7 +12,7 @@ from metamorphic.programs import PLANES, Block, Can, Maker, Statement, Tree, Wor
 from metamorphic.test_symmetry import SIZES, Walk, check
 
 FAST = 10
-SEEDS = [pytest.param(n * FAST, FAST, id=f"{n}") for n in range(2)]
+SEEDS = [pytest.param(n * FAST, FAST, id=f"{n}") for n in range(1)]
 MORE = [pytest.param(40_000 + n * 100, 100, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(4)]
 seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])
 

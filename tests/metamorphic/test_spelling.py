@@ -31,7 +31,7 @@ from gproof.ir.finding import Findings
 from gproof.ir.verdict import worst
 
 FAST, SOAK = 10, 400
-SEEDS = [pytest.param(n * FAST, FAST, id=f"{n}") for n in range(2)]
+SEEDS = [pytest.param(n * FAST, FAST, id=f"{n}") for n in range(1)]
 MORE = [pytest.param(10_000 + n * 100, 100, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(SOAK // 100)]
 seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])
 

@@ -117,7 +117,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("reach")
 
 
-@pytest.mark.parametrize("field", share(SHOWN, 3))
+@pytest.mark.parametrize("field", share(SHOWN, 5))
 def test_what_a_row_says_can_be_seen(field: str, folder: Path) -> None:
     """Each target of a row moves with one of the field's witnesses, and no other target does."""
     row = ROWS[field]

@@ -17,7 +17,7 @@ from support.guarded import alarm, memory
 from verify.forgery import Kind, answer, containers, forged, kinds, packed, right_members, spoilt_package
 
 SECONDS, BYTES = 10, 500 << 20
-ONE_IN = 8
+ONE_IN = 16
 """So many of all kinds are tried in every run, all of them in a soak."""
 
 WITHIN: dict[str, str] = {

@@ -179,7 +179,7 @@ def test_steps_moved_within_the_tolerance_of_run_compression_pass(seed: int) -> 
     }
 
 
-@pytest.mark.parametrize("seed", seeds(2, 300))
+@pytest.mark.parametrize("seed", seeds(1, 300))
 def test_position_check_agrees_with_brute_force(seed: int) -> None:
     """Random damage to random jobs: accepted only if 1.02 steps explain it, always if 0.97 do."""
     rng = random.Random(seed)

@@ -272,7 +272,7 @@ DWELLS = ("G4 P0.1", "G04 P[#1/7]", "g4p0", "P0.5 G4", "G4 P[3-#1]", "G4 P-0", "
 BEFORE = ("", "G1 X[#1]\n", "G91 G1 X0.01\nG90\n", "G82 X[#1] Y0 Z-1 R1 P0.2\n", "G92 X0\n")
 
 
-@pytest.mark.parametrize(("dwell", "before"), share(list(itertools.product(DWELLS, BEFORE)), 2))
+@pytest.mark.parametrize(("dwell", "before"), share(list(itertools.product(DWELLS, BEFORE)), 4))
 def test_dwells_of_loops_are_what_each_line_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: str, dwell: str
 ) -> None:

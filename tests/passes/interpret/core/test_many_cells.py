@@ -109,7 +109,7 @@ def test_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, is_ma
     both(tmp_path, text, monkeypatch, 333)
 
 
-@pytest.mark.parametrize("seed", seeds(10, 300))
+@pytest.mark.parametrize("seed", seeds(5, 300))
 def test_random(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
     rng = random.Random(seed)
     lines = []
