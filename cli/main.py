@@ -15,6 +15,7 @@ from typing import Any
 
 import click
 
+from gproof.cli.diff import diff
 from gproof.cli.help import Command, Group, option
 from gproof.cli.options import (
     AGAIN,
@@ -237,6 +238,7 @@ def dump(
 
 
 cli.add_command(translate)
+cli.add_command(diff)
 
 
 @cli.command(

@@ -12,9 +12,9 @@ from pathlib import Path
 from gproof.backend.emit.printer import Unprintable
 from gproof.driver.dialects import DIALECTS
 from gproof.driver.errors import UsageError
-from gproof.driver.running import execute
 from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
+from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Finding, Findings, Severity, Span
@@ -22,8 +22,7 @@ from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
 from gproof.ir.record import field, record
-from gproof.ir.rules import Function as F
-from gproof.ir.setup import NOTHING, Interval, Setup
+from gproof.ir.setup import NOTHING
 from gproof.ir.target import Style, Target
 from gproof.ir.trace import Trace
 from gproof.ir.translation_map import NO_MAP, TranslationMap
@@ -197,25 +196,14 @@ def _without_lengths(job: Job, session: Session, target: Target) -> Job:
     return replace(job, body=(*job.body[:place], off, *job.body[place:]))
 
 
-def any_zero(setup: Setup, program: Program) -> Setup:
-    """A setup of which only stays what is no offset: start, work zeros and tool lengths are unknown. At the start no
-    local offset is in force."""
-    # Where the local offset is the only one, the work offset that is active is in it.
-    only = "work" not in DIALECTS[program.dialect].frontend.open_offsets
-    none = {} if only else {name: Interval(0.0, 0.0) for name in AXIS_NAMES}
-    return replace(
-        setup, name="any work zero", homed=tuple(AXIS_NAMES), start={}, work={}, g92=none, tool_lengths={}, measures={},
-        default_start=None, default_offset=None, active_work=setup.active_work or 1, tool=None, workpiece=None,
-        keep_out=(), optional_stop=None,
-    )  # fmt: skip
-
-
 def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> None:
     """Read what was printed, under the target's machine, and compare both traces."""
     session = done.session
     assert session.program is not None
     own = Findings()
-    source = _trace(_own_devices(session.program, done), session.setup, session.machine, own, wanted.running, session)
+    source = trace_of(
+        own_devices(session.program, done.assumed), session.setup, session.machine, own, wanted.running, session
+    )
     for finding in own.kept:
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
@@ -226,14 +214,14 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
         _conclude(done, compare(source, target, terms), wanted)
         return
     with tempfile.TemporaryDirectory() as folder:
-        program, machine = _read_back(done, machine, wanted, Path(folder), read)
-        if program is None:
+        printed, machine = _read_back(done, machine, wanted, Path(folder), read)
+        if printed is None:
             _also(done, read, Path(folder))
             return
         setup = session.setup if wanted.to == session.dialect else NOTHING
-        target = _trace(_own_devices(program, done), setup, machine, read, wanted.running, session)
+        target = trace_of(own_devices(printed, done.assumed), setup, machine, read, wanted.running, session)
         _also(done, read, Path(folder))
-        terms = terms_of(done, program.spindle_outputs, session.machine, machine, wanted, style)
+        terms = terms_of(done, printed.spindle_outputs, session.machine, machine, wanted, style)
         comparison = compare(source, target, terms)
     _conclude(done, comparison, wanted)
 
@@ -265,48 +253,6 @@ def _read_by_verify(done: Translation, machine: Machine, wanted: Wanted) -> Trac
         done.findings.add(codes.TRANSLATION_OPEN.at(Span(str(wanted.job), 1), what=text))
     done.assumed += [one for one in back.assumed if one not in done.assumed]
     return back.trace
-
-
-DEVICES = frozenset((
-    F.TOOL_CHANGE, F.SPINDLE_CW, F.SPINDLE_CCW, F.SPINDLE_OFF, F.MIST_ON, F.FLOOD_ON, F.COOLANT_OFF,
-))  # fmt: skip
-"""Functions that each machine's own macros may do in their way."""
-
-
-def _own_devices(program: Program, done: Translation) -> Program:
-    """The program without its machine's macros for tool changes, spindle and coolant: each machine has its own."""
-    plain = DIALECTS[program.dialect].frontend.plain_devices(program)
-    if any(one is not two and one != two for one, two in zip(plain.body, program.body, strict=True)):
-        text = "what each machine's own macros do besides at a tool change, spindle or coolant code is right"
-        if text not in done.assumed:
-            done.assumed.append(text)
-    program = plain
-    codes_of = program.rules.codes
-    kept = {
-        code: name for code, name in program.overrides.items()
-        if code not in codes_of or codes_of[code].function not in DEVICES
-    }  # fmt: skip
-    names = sorted(set(program.overrides.values()) - set(kept.values()))
-    if not names:
-        return program
-    text = f"what each machine's own macros do at a tool change, spindle or coolant code ({', '.join(names)}) is right"
-    if text not in done.assumed:
-        done.assumed.append(text)
-    return replace(program, overrides=kept)
-
-
-def _trace(
-    program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session
-) -> Trace:  # fmt: skip
-    """The trace for any work zero."""
-    machine = replace(
-        machine, controller=replace(machine.controller, auto_tool_change=False),
-        settings=replace(machine.settings, zero_offsets=None),
-    )  # fmt: skip
-    return execute(
-        program, any_zero(setup, program), machine, findings, **session.options(running),
-        block_delete=bool(session.setup.block_delete),
-    )  # fmt: skip
 
 
 def _read_back(

@@ -1,0 +1,70 @@
+"""Traces of a program for any work zero, with the devices of its machine left to the machine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gproof.driver.dialects import DIALECTS
+from gproof.driver.running import execute
+from gproof.driver.session import Running, Session
+from gproof.ir.finding import Findings
+from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.program import Program
+from gproof.ir.rules import Function as F
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.trace import Trace
+
+
+def any_zero(setup: Setup, program: Program) -> Setup:
+    """A setup of which only stays what is no offset: start, work zeros and tool lengths are unknown. At the start no
+    local offset is in force."""
+    # Where the local offset is the only one, the work offset that is active is in it.
+    only = "work" not in DIALECTS[program.dialect].frontend.open_offsets
+    none = {} if only else {name: Interval(0.0, 0.0) for name in AXIS_NAMES}
+    return replace(
+        setup, name="any work zero", homed=tuple(AXIS_NAMES), start={}, work={}, g92=none, tool_lengths={}, measures={},
+        default_start=None, default_offset=None, active_work=setup.active_work or 1, tool=None, workpiece=None,
+        keep_out=(), optional_stop=None,
+    )  # fmt: skip
+
+
+DEVICES = frozenset((
+    F.TOOL_CHANGE, F.SPINDLE_CW, F.SPINDLE_CCW, F.SPINDLE_OFF, F.MIST_ON, F.FLOOD_ON, F.COOLANT_OFF,
+))  # fmt: skip
+"""Functions that each machine's own macros may do in their way."""
+
+
+def own_devices(program: Program, assumed: list[str]) -> Program:
+    """The program without its machine's macros for tool changes, spindle and coolant: each machine has its own."""
+    plain = DIALECTS[program.dialect].frontend.plain_devices(program)
+    if any(one is not two and one != two for one, two in zip(plain.body, program.body, strict=True)):
+        text = "what each machine's own macros do besides at a tool change, spindle or coolant code is right"
+        if text not in assumed:
+            assumed.append(text)
+    program = plain
+    codes_of = program.rules.codes
+    kept = {
+        code: name for code, name in program.overrides.items()
+        if code not in codes_of or codes_of[code].function not in DEVICES
+    }  # fmt: skip
+    names = sorted(set(program.overrides.values()) - set(kept.values()))
+    if not names:
+        return program
+    text = f"what each machine's own macros do at a tool change, spindle or coolant code ({', '.join(names)}) is right"
+    if text not in assumed:
+        assumed.append(text)
+    return replace(program, overrides=kept)
+
+
+def trace_of(
+    program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session
+) -> Trace:  # fmt: skip
+    """The trace for any work zero."""
+    machine = replace(
+        machine, controller=replace(machine.controller, auto_tool_change=False),
+        settings=replace(machine.settings, zero_offsets=None),
+    )  # fmt: skip
+    return execute(
+        program, any_zero(setup, program), machine, findings, **session.options(running),
+        block_delete=bool(session.setup.block_delete),
+    )  # fmt: skip
