@@ -76,7 +76,7 @@ def _one(
     wanted: Wanted, output: Path, written: dict[Path, bytes], *, allow_unproven: bool, form: str
 ) -> Verdict:  # fmt: skip
     """One program; written: files of subprograms that earlier ones wrote."""
-    require_place(output, "output", (wanted.job, wanted.machine, wanted.machine_to, wanted.setup))
+    require_place(output, "output", (wanted.job, wanted.machine, wanted.machine_to, wanted.setup, wanted.map))
     done = translate(wanted)
     open_ = done.verdict is Verdict.UNKNOWN and (allow_unproven or done.partial)
     writes = bool(done.files) and (done.verdict is Verdict.SAFE or open_)

@@ -13,7 +13,7 @@ from gproof.cli.options import FILE, JOB, REPORT, TRANSLATION, FileName, Finite,
 @click.command(
     cls=Command, short_help="Translate a program to another controller, and prove that it is the same",
     examples=(
-        "gproof translate part.tap --machine WINCNC.INI --to eding --machine-to cnc.ini -o part.cnc",
+        "gproof translate part.tap --machine WINCNC.INI --to eding -o part.cnc",
         "gproof translate part.cnc --to linuxcnc -o part.ngc",
     ),
 )  # fmt: skip

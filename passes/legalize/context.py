@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from gproof.ir.columns import Array
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     MM,
@@ -385,26 +384,3 @@ def axes_of(job: Job) -> tuple[str, ...]:
             elif isinstance(node, DrillHole):
                 found |= {node.top.axis, *(place.axis for place in node.at)}
     return tuple(axis for axis in AXIS_NAMES if axis in found)
-
-
-def positions(moves: Moves, place: Mapping[str, float]) -> tuple[Array, Array]:
-    """Places in the unit of a table before and after each row, (rows, 6); NaN where that of an axis is not known."""
-    rows = moves.rows
-    count = len(rows)
-    after = np.full((count, len(AXIS_NAMES)), np.nan)
-    before = np.full((count, len(AXIS_NAMES)), np.nan)
-    scale = MM[moves.unit]
-    for column, axis in enumerate(AXIS_NAMES):
-        unit = scale if column < 3 else 1.0
-        start = place[axis] / unit if axis in place else np.nan
-        named = (rows["axes"] & np.uint8(1 << column)) != 0
-        values = rows["to"][:, column]
-        if moves.relative:
-            after[:, column] = start + np.cumsum(np.where(named, values, 0.0))
-        else:
-            last = np.where(named, np.arange(count), -1)
-            np.maximum.accumulate(last, out=last)
-            after[:, column] = np.where(last >= 0, values[np.maximum(last, 0)], start)
-        before[0, column] = start
-        before[1:, column] = after[:-1, column]
-    return before, after

@@ -30,6 +30,7 @@ from gproof.ir.job import (
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
 from gproof.ir.record import field, record
+from gproof.passes.legalize.row_places import positions
 
 
 @record(frozen=True, slots=True)
@@ -196,8 +197,6 @@ def _arc(node: ArcTo, by: Transform, place: dict[str, float]) -> Node | None:
 
 
 def _table(node: Moves, by: Transform, place: dict[str, float]) -> Node | None:
-    from gproof.passes.legalize.context import positions
-
     rows = node.rows
     arcs = rows["kind"] >= ARC_CW
     scale = by.scale

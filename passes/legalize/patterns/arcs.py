@@ -23,8 +23,9 @@ from gproof.ir.job import (
 from gproof.ir.job_features import row_features
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
-from gproof.passes.legalize.context import Context, positions
+from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.row_places import positions
 
 COLUMNS = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 """Columns of the axes of a plane, in the order of its name."""

@@ -52,6 +52,8 @@ def change_as_stop(node: Node, feature: str, context: Context) -> list[Node] | N
     """A tool change by hand on a target without any: a stop, where the map says so."""
     if not isinstance(node, ChangeTool) or not node.change or context.options.tool_change != "stop":
         return None
+    if node.rests or "tool_change" in context.target.legal:
+        return None
     number = None if node.number is None else context.value(node.number)
     context.assume("at a stop for a tool change the operator puts in the tool that the comment names")
     what = "the next tool" if number is None else f"tool {number:g}"
@@ -59,8 +61,11 @@ def change_as_stop(node: Node, feature: str, context: Context) -> list[Node] | N
 
 
 def rest_before_change(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """A tool change that stops the spindle: the spindle off, then the change."""
+    """A tool change that stops the spindle: the spindle off, then the change, or the stop in place of it."""
+    legal = context.target.legal
     if not isinstance(node, ChangeTool) or not node.rests:
+        return None
+    if "tool_change_running" not in legal and ("tool_change" in legal or not context.options.tool_change):
         return None
     change = replace(node, rests=False)
     return [*_spindle_off(node.span, context), change]
@@ -78,7 +83,7 @@ def _spindle_off(span: Span, context: Context) -> list[Node]:
 
 def change_at_rest(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A change that leaves the spindle as it is, on a target where it stops: the spindle starts again after it."""
-    if not isinstance(node, ChangeTool) or node.rests:
+    if not isinstance(node, ChangeTool) or node.rests or "tool_change_rests" not in context.target.legal:
         return None
     change = replace(node, rests=True)
     if context.spindle == "off" or "spindle" not in context.switched:
@@ -121,7 +126,7 @@ PATTERNS = (
         name="change -> change with a number", removes=("tool_change_selected", "tool_change"),
         apply=change_with_number, unrolls=True,
     ),
-    Pattern(name="tool change -> stop", removes=("tool_change",), apply=change_as_stop),
+    Pattern(name="tool change -> stop", removes=("tool_change_running", "tool_change"), apply=change_as_stop),
     Pattern(
         name="message -> comment", removes=("message", "variable", "expression", "system_variable"),
         apply=message_as_comment,

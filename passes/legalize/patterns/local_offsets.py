@@ -50,13 +50,20 @@ def local_as_shift(node: Node, feature: str, context: Context) -> list[Node] | N
     return _shift(node, wanted, context)
 
 
+def _unit(axis: str, context: Context) -> str:
+    """That of the source, where the target has it."""
+    if axis not in "xyz":
+        return "deg"
+    return context.unit if f"unit_{context.unit}" in context.target.legal else "mm"
+
+
 def _shift(node: SetFrame, wanted: dict[str, float], context: Context) -> list[Node]:
     assert context.local is not None
     places = []
     for axis in AXIS_NAMES:
         by = wanted.get(axis, 0.0) - context.local.get(axis, 0.0)
         if by != 0.0:
-            unit = context.unit if axis in "xyz" else "deg"
+            unit = _unit(axis, context)
             places.append(AxisPlace(axis, Quantity(Number(by / MM.get(unit, 1.0), node.span), unit)))
     context.suspended = dict(context.local) if node.action == "local_suspend" else None
     context.local = wanted
@@ -99,7 +106,7 @@ def stored_as_zero(node: Node, feature: str, context: Context) -> list[Node] | N
     if any(axis not in at for axis in context.axes):
         return None
     context.selected = round(number)
-    units = {axis: context.unit if axis in "xyz" else "deg" for axis in at}
+    units = {axis: _unit(axis, context) for axis in at}
     places_at = tuple(
         AxisPlace(axis, Quantity(Number(at[axis] / MM.get(units[axis], 1.0), node.span), units[axis]))
         for axis in AXIS_NAMES

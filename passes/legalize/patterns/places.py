@@ -21,8 +21,9 @@ from gproof.ir.job import (
     Quantity,
 )
 from gproof.ir.program import Binary, Expr, Number
-from gproof.passes.legalize.context import Context, positions
+from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.row_places import positions
 
 
 def _other_unit(context: Context) -> str:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 
 from gproof.ir.record import field, record
 from gproof.ir.trace import Op
 from gproof.verify.translation.rs274.language import Unread
-
-if TYPE_CHECKING:
-    from gproof.verify.translation.rs274.controller import Controller
-    from gproof.verify.translation.rs274.words import Words
+from gproof.verify.translation.rs274.moves import Manner
+from gproof.verify.translation.rs274.offsets import Place, Zeros
+from gproof.verify.translation.rs274.words import Words
 
 SAME = 1e-9
 """mm that two heights differ by rounding."""
@@ -28,7 +27,35 @@ class Series:
     height: float = math.nan
 
 
-def drill(now: Controller, words: Words, line: int) -> None:
+class Driller(Protocol):
+    """What a hole needs of the controller that drills it."""
+
+    motion: int | None
+    plane: int | None
+    per: int | None
+    initial: bool | None
+    zeros: Zeros
+    series: Series
+    first_hole: bool
+    direction: int
+
+    def manner(self) -> Manner:
+        """How numbers are meant."""
+
+    def here(self, axis: int) -> Place:
+        """Where an axis is."""
+
+    def one_move(self, code: int, line: int, manner: Manner, table: Any) -> None:
+        """A straight move."""
+
+    def event(self, op: Op, line: int, first: float = 0.0) -> None:
+        """Something between moves."""
+
+    def turn(self, direction: int, line: int) -> None:
+        """The spindle starts or stops."""
+
+
+def drill(now: Driller, words: Words, line: int) -> None:
     """One hole."""
     code = now.motion or 0
     manner = now.manner()
