@@ -317,13 +317,12 @@ class EdingRaiser(Raiser):
         if rule.function is F.ROTATION_ON:
             angle = line.need("R", "G68")
             return [SetFrame(action="rotate", angle=Quantity(angle, "deg"), places=self._places(line), span=span)]
-        factors = tuple(
-            AxisPlace(axis, Quantity(value, "1"))
-            for axis, letter in zip("xyz", "IJK", strict=True) if (value := line.take(letter)) is not None
-        )  # fmt: skip
         if line.take("P") is not None:
             raise Unraisable("G51 P", "the manual does not say which axes it scales")
-        return [SetFrame(action="scale", factors=factors, places=self._places(line), span=span)]
+        factors = tuple(AxisPlace(axis, Quantity(line.need(axis.upper(), "G51"), "1")) for axis in "xy")
+        about = zip("xy", "IJ", strict=True)
+        places = tuple(AxisPlace(axis, self._at(axis, line.need(letter, "G51"))) for axis, letter in about)
+        return [SetFrame(action="scale", factors=factors, places=places, span=span)]
 
     def _group_zero(self, line: Words, span: Span) -> list[Node]:
         """Step 19: G10, G28, G30, G92 (3.4.5, 3.4.8, 3.4.23)."""

@@ -119,10 +119,11 @@ class EdingWriter(Rs274Writer):
         elif node.action == "rotate_off":
             self.put(ONCE, ["G69"], node.span)
         elif node.action == "scale":
-            factors = [f"{'IJK'['xyz'.index(one.axis)]}{self.amount(one.at)}" for one in node.factors]
-            given = {one.axis for one in node.places}
-            rest = [f"{axis.upper()}0" for axis in "xy" if axis not in given]  # 3.4.13: about a place, always
-            self.put(ONCE, ["G51", *self.words(node.places), *rest, *factors], node.span)
+            factors = [f"{one.axis.upper()}{self.amount(one.at)}" for one in node.factors]
+            about = {one.axis: self.amount(one.at) for one in node.places}
+            # 3.4.13: about a place, always.
+            places = [f"{letter}{about.get(axis, '0')}" for axis, letter in zip("xy", "IJ", strict=True)]
+            self.put(ONCE, ["G51", *factors, *places], node.span)
             self.flush()
         elif node.action == "scale_off":
             self.put(ONCE, ["G50"], node.span)
