@@ -70,11 +70,15 @@ class Lowered:
 
 @record(frozen=True, slots=True)
 class Zero:
-    """The work zero in force. offset: number of the work offset, 0: none of them, but places from machine zero, mm or
-    degrees by axis, of axes where they are known."""
+    """The work zero in force. offset: number of the work offset, 0: none of them, but ``places``: by axis (work offset,
+    mm or degrees from it; 0: from machine zero), of axes where that is known."""
 
     offset: int = 0
-    places: Mapping[str, float] = field(default_factory=dict)
+    places: Mapping[str, tuple[int, float]] = field(default_factory=dict)
+
+    def place(self, axis: str) -> tuple[int, float] | None:
+        """Of one axis; None where it is not known."""
+        return (self.offset, 0.0) if self.offset else self.places.get(axis)
 
 
 _KNOWN = (
@@ -110,8 +114,9 @@ class Context:
         self.program_place: dict[str, float] = {}
         self.zero = Zero(1)
         self.local_off = True
-        self.kept: dict[float, Zero] = {}
+        self.kept: dict[float, tuple[Zero, bool]] = {}
         self.spare_used = False
+        self.spare_places: dict[str, tuple[int, float]] = {}
         self.remembered: tuple[float | None, Zero, dict[str, float] | None, dict[str, float]] | None = None
         self.moved: set[str] = set()
         self.settled: SetFrame | None = None
@@ -227,10 +232,14 @@ class Context:
     def _after_frame(self, node: SetFrame) -> None:
         number = None if node.number is None else self.value(node.number)
         if node.action == "select" and not node.axes:
-            places = self.zero.places if number == self.target.spare_offset else {}
+            places = self.spare_places if number == self.target.spare_offset else {}
             self.zero = Zero(0 if places or number is None else round(number), places)
         elif node.action == "store" and number == self.target.spare_offset:
-            self.zero = Zero(0, {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None})
+            self.zero = Zero(0, self.spare_places)
+        elif node.action in {"store", "store_here"}:
+            # What rests on the number that this offset had before is not known any more.
+            kept = {axis: one for axis, one in self.zero.places.items() if one[0] != number}
+            self.zero = self.zero if self.zero.offset else Zero(0, kept)
         elif node.action in {"local_here", "local_at", "local_add", "local_restore"}:
             self.local_off = False
         elif node.action in {"local_off", "local_suspend"}:

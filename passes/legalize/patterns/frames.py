@@ -11,7 +11,7 @@ from dataclasses import replace
 from gproof.ir.finding import Span
 from gproof.ir.job import AxisPlace, Node, Quantity, SetFrame
 from gproof.ir.machine import AXIS_NAMES
-from gproof.ir.program import Number
+from gproof.ir.program import Binary, Expr, Number, Variable
 from gproof.passes.legalize.context import Context, Zero
 from gproof.passes.legalize.pattern import Pattern
 
@@ -23,25 +23,35 @@ def zero(node: Node, feature: str, context: Context) -> list[Node] | None:
     if not isinstance(node, SetFrame) or not context.target.spare_offset:
         return None
     if node.action == "zero_keep":
-        context.kept[_key(node, context)] = context.zero
+        context.kept[_key(node, context)] = context.zero, context.local_off
         return []
     if node.action == "zero_recall":
-        kept = context.kept.get(_key(node, context))
-        return None if kept is None else put(kept, context, node.span)
+        kept, was_off = context.kept.get(_key(node, context), (None, False))
+        return None if kept is None or not was_off else put(kept, context, node.span)
     if node.action == "select":
         return [replace(node, axes=())] if set(context.axes) <= set(node.axes) else None
-    places = dict(context.zero.places)
-    for place in node.places:
-        value = context.mm(place.at)
-        if value is None:
-            return None
-        if node.action == "zero_shift":
-            before = places.get(place.axis)
-            if before is None:
-                return None
-            value += before
-        places[place.axis] = value
+    moved = {place.axis: context.mm(place.at) for place in node.places}
+    if any(value is None for value in moved.values()):
+        return None
+    by = {axis: value for axis, value in moved.items() if value is not None}
+    if node.action == "zero_shift" and (not context.local_off or any(context.zero.place(a) is None for a in by)):
+        return _shifted_here(node, by, context)
+    places = {axis: place for axis in AXIS_NAMES if (place := context.zero.place(axis)) is not None}
+    for axis, value in by.items():
+        base, before = places.get(axis, (0, 0.0)) if node.action == "zero_shift" else (0, 0.0)
+        places[axis] = base, before + value
     return put(Zero(0, places), context, node.span)
+
+
+def _shifted_here(node: SetFrame, by: dict[str, float], context: Context) -> list[Node] | None:
+    """A zero that is moved, by the name that the present place gets: it is so much less."""
+    if "frame_local_here" not in context.target.legal or any(axis not in context.place for axis in by):
+        return None
+    places = tuple(
+        AxisPlace(axis, Quantity(Number(context.place[axis] - value, node.span), "mm" if axis in "xyz" else "deg"))
+        for axis, value in by.items()
+    )
+    return [SetFrame(action="local_here", places=places, span=node.span)]
 
 
 def _key(node: SetFrame, context: Context) -> float:
@@ -57,20 +67,40 @@ def put(wanted: Zero, context: Context, span: Span) -> list[Node] | None:
     if wanted.offset:
         number = Number(float(wanted.offset), span)
         return [*off, SetFrame(action="select", number=number, span=span)]
-    if any(axis not in wanted.places for axis in context.axes):
+    known = {axis: place for axis in AXIS_NAMES if (place := wanted.place(axis)) is not None}
+    stored = {axis: place for axis, place in known.items() if axis in context.axes or place[0] == 0}
+    if any(axis not in known for axis in context.axes) or not all(
+        place[0] == 0 or _readable(axis, context) for axis, place in stored.items()
+    ):
         return None
     spare = context.target.spare_offset
-    context.assume(
-        f"work offset {spare} of {context.target.title} is free: zeros in machine places are stored there"
-    )  # fmt: skip
+    context.assume(f"work offset {spare} of {context.target.title} is free: zeros in machine places are stored there")
     context.spare_used = True
+    context.spare_places = stored
     number = Number(float(spare), span)
     places = tuple(
-        AxisPlace(axis, Quantity(Number(wanted.places[axis], span), "mm" if axis in "xyz" else "deg"))
-        for axis in AXIS_NAMES if axis in wanted.places and (axis in context.axes or axis in context.target.axes)
-    )  # fmt: skip
+        AxisPlace(axis, Quantity(_value(axis, place, span), "mm" if axis in "xyz" else "deg"))
+        for axis, place in stored.items()
+    )
     store = SetFrame(action="store", number=number, places=places, span=span)
     return [*off, store, SetFrame(action="select", number=number, span=span)]
+
+
+FIRST, STEP = 5221, 20
+"""Numbers of the variables that hold work offsets (RS274): X of the first, and from one to the next."""
+
+
+def _readable(axis: str, context: Context) -> bool:
+    return "system_variable" in context.target.legal and "expression" in context.target.legal
+
+
+def _value(axis: str, place: tuple[int, float], span: Span) -> Expr:
+    """What is stored for an axis: a number, or one and the work offset that it counts from."""
+    base, mm = place
+    if not base:
+        return Number(mm, span)
+    held = Variable(Number(float(FIRST + STEP * (base - 1) + AXIS_NAMES.index(axis)), span), span)
+    return Binary("+", held, Number(mm, span), span) if mm else held
 
 
 PATTERNS = (
