@@ -234,6 +234,7 @@ class Context:
         if node.action == "select" and not node.axes:
             places = self.spare_places if number == self.target.spare_offset else {}
             self.zero = Zero(0 if places or number is None else round(number), places)
+            self.selected = 0 if number is None else round(number)
         elif node.action == "store" and number == self.target.spare_offset:
             self.zero = Zero(0, self.spare_places)
         elif node.action in {"store", "store_here"}:
@@ -274,8 +275,12 @@ class Context:
                 self.local = None
 
     def loses_local(self, node: SetFrame) -> bool:
-        """Whether choosing a work offset ends a local one on the target, whose only offset it is."""
+        """Whether choosing a work offset ends a local one on the target, whose only offset it is, or what the job has
+        stored there is not in it."""
         is_select = node.action == "select" and node is not self.settled
+        number = None if node.number is None else self.value(node.number)
+        if is_select and "frame_select" in self.target.legal and number in self.offsets:
+            return True
         one_offset = "frame_zero_shift" in self.target.legal and "frame_local_here" not in self.target.legal
         return is_select and one_offset and bool(self.local)
 

@@ -72,8 +72,16 @@ def _shift(node: SetFrame, wanted: dict[str, float], context: Context) -> list[N
 
 
 def select_with_local(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """A work offset and the local one on it, as the work offset and the shift."""
-    if not isinstance(node, SetFrame) or not context.local:
+    """A work offset and the local one on it, as the work offset and the shift; and one that the job has stored, as the
+    work offset and the zero of its axes."""
+    if not isinstance(node, SetFrame):
+        return None
+    number = None if node.number is None else context.value(node.number)
+    stored = {} if number is None else context.offsets.get(round(number), {})
+    if stored and context.local == {}:
+        context.settled = again = replace(node)
+        return [again, SetFrame(action="zero_at", places=_at(stored, node, context), span=node.span)]
+    if stored or not context.local:
         return None
     wanted = dict(context.local)
     context.settled = select = replace(node)
@@ -106,13 +114,17 @@ def stored_as_zero(node: Node, feature: str, context: Context) -> list[Node] | N
     if any(axis not in at for axis in context.axes):
         return None
     context.selected = round(number)
-    units = {axis: _unit(axis, context) for axis in at}
-    places_at = tuple(
-        AxisPlace(axis, Quantity(Number(at[axis] / MM.get(units[axis], 1.0), node.span), units[axis]))
+    return [SetFrame(action="zero_at", places=_at(at, node, context), span=node.span)]
+
+
+def _at(places: dict[str, float], node: SetFrame, context: Context) -> tuple[AxisPlace, ...]:
+    """Places in mm and degrees, in the unit of the job."""
+    units = {axis: _unit(axis, context) for axis in places}
+    return tuple(
+        AxisPlace(axis, Quantity(Number(places[axis] / MM.get(units[axis], 1.0), node.span), units[axis]))
         for axis in AXIS_NAMES
-        if axis in at
+        if axis in places
     )
-    return [SetFrame(action="zero_at", places=places_at, span=node.span)]
 
 
 PATTERNS = (
