@@ -12,6 +12,7 @@ from gproof.passes.legalize.patterns import (
     frames,
     grids,
     inputs,
+    inverse_time,
     local_offsets,
     loops,
     machine_moves,
@@ -39,6 +40,7 @@ PATTERNS: tuple[Pattern, ...] = (
     *paths.PATTERNS,
     *local_offsets.PATTERNS,
     *devices.PATTERNS,
+    *inverse_time.PATTERNS,
     *machine_moves.PATTERNS,
     *nothing_on.PATTERNS,
 )

@@ -122,6 +122,23 @@ def test_local_offset(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+def test_inverse_time(tmp_path: Path) -> None:
+    """Twice a minute 10 mm, four times a minute a quarter of a circle of 5 mm (7.854 mm), each a feed (5.3)."""
+    text = "G17 G21 G90 G94 G54 G49\nG0 X0 Y0\nG93 G1 X10 F2\nG3 X5 Y5 I-5 J0 F4\nG94 G1 X0 F50\nM30\n"
+    assert lines_of(translated(tmp_path, text)) == [
+        "G00 X0 Y0", "G01 X10 F20", "G03 X5 Y5 I-5 J0 F31.4159", "G01 X0 F50", "M30", "%",
+    ]  # fmt: skip
+
+
+def test_stored_work_offset(tmp_path: Path) -> None:
+    """The table is mcfg's (3.19): what a job stores is a zero in machine places, after each choice of it (3.26)."""
+    text = "G17 G21 G90 G94 G54 G49\nG0 X0 Y0\nG10 L2 P2 X30 Y40\nG55\nG0 X1\nG54\nG0 X2\nG55\nG0 X3\nM30\n"
+    done = translated(tmp_path, text)
+    assert done.files[""].decode().splitlines()[3:] == [
+        "G00 X0 Y0", "G55", "G92 X30 Y40", "G00 X1", "G54", "G00 X2", "G55", "G92 X30 Y40", "G00 X3", "M30", "%",
+    ]  # fmt: skip
+
+
 def test_spindle_rests_for_the_change_and_the_end(tmp_path: Path) -> None:
     """M6 and M30 of Eding CNC stop the spindle, M30 coolant too (3.5.1, 3.5.3 there); Task 0 need not (4.7, 4.13)."""
     text = "G17 G21 G90 G94 G54 G49\nT1 M6\nM3 S5000\nM8\nG1 X1 F100\nT2 M6\nM3\nG1 X2\nM30\n"
@@ -181,6 +198,7 @@ def test_refused(body: str, tmp_path: Path) -> None:
 PATTERNS = {
     "end of a compensation that never starts -> nothing": ("G40\nG0 X1", "G0 X1"),
     "end of a tool length that is never used -> nothing": ("G49\nG0 X1", "G0 X1"),
+    "inverse time -> a feed a move": ("G0 X0\nG93 G1 X5 F2", "G0 X0\nG1 X5 F2"),
     "machine coordinates -> zero there and back": ("G53 G0 X1", "G0 X1"),
     "work offset with a local offset -> with a shift": ("G0 X9\nG92 X0\nG55\nG0 X1", "G0 X9\nG92 X0\nG0 X1"),
     "change that stops the spindle -> spindle off, change": ("M3 S900\nT1 M6", "M3 S900\nM5"),
