@@ -11,9 +11,10 @@ from gproof.ir.columns import Array, Columns
 from gproof.ir.job import ARC_CCW, ARC_CW, MM, MOVE, RAPID, ArcTo, AxisPlace, Feed, Moves, MoveTo, Node, Quantity
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
-from gproof.passes.legalize.context import Context, positions
+from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.patterns.arcs import COLUMNS, HANDED
+from gproof.passes.legalize.row_places import positions
 
 ROTARY_COLUMNS = range(3, 6)
 DIGITS = 6
