@@ -472,7 +472,7 @@ def test_killed_at_any_point_the_record_says_the_truth(seed: int, many: int, tmp
 
 
 @pytest.mark.parametrize("number", SIGNALS[1:])
-@pytest.mark.parametrize("many", sizes(12, 200))
+@pytest.mark.parametrize("many", sizes(8, 200))
 def test_a_signal_at_any_point_stops_and_closes(number: str, many: int, tmp_path: Path) -> None:
     chance = random.Random(3)
     points = [point.removeprefix("half") for point in points_of(tmp_path, 2, many)]

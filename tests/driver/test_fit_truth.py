@@ -34,7 +34,7 @@ from gproof.ir.verdict import Verdict
 from gproof.passes.checks.zones import zones_under_unknown_offsets as open_zones
 
 EDGE = 1e-6
-FAST = 30
+FAST = 25
 SEEDS = [pytest.param(0, FAST, id="0")]
 MORE = [pytest.param(70_000 + n * 100, 100, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(8)]
 seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])

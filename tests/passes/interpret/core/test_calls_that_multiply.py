@@ -13,7 +13,7 @@ from support.command import in_this_process
 from gproof.passes.interpret.core.loop_widening import CALL_BLOCKS, call_blocks
 
 Files = dict[str, str]
-BLOCKS = 60_000
+BLOCKS = 30_000
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 
