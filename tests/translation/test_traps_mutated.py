@@ -1,7 +1,7 @@
 """Mistakes planted in the right targets of the traps: what the validator still proves does the same under every setup.
 
-The oracle is the interpreter alone, with numbers for all that is unknown: rows of the target and of its mutant, under the
-setups of the case. It never sees a form or a comparison.
+The oracle is the interpreter alone, with numbers for all that is unknown: rows of the target and of its mutant, under
+the setups of the case. It never sees a form or a comparison.
 """
 
 from __future__ import annotations
