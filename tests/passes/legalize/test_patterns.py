@@ -1,0 +1,281 @@
+"""Each pattern of legalising: a job that needs it for some target, what becomes of it, and one that must not have it.
+
+What becomes of a job follows from what the operations mean (docs/job.md), worked out by hand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+from support.each import each
+from support.jobs_by_hand import PLACE, at, cut, job, mm, number, rapid, run, said, variable
+
+from gproof.driver.targets import TARGETS
+from gproof.ir.job import (
+    AllowOverrides,
+    ArcTo,
+    ChangeTool,
+    Choice,
+    Compensate,
+    CountLoop,
+    DrillHole,
+    EndJob,
+    Job,
+    LoopWhile,
+    Node,
+    OptionalPart,
+    RepeatGrid,
+    SetFrame,
+    SetPathMode,
+    SetVariable,
+    ShowText,
+    SwitchCoolant,
+    SwitchGuard,
+    TurnSpindle,
+    UseLength,
+)
+from gproof.ir.program import Binary, Input, Text
+from gproof.ir.target import Target
+from gproof.passes.legalize.context import Options
+from gproof.passes.legalize.legalize import legalize
+from gproof.passes.legalize.registry import PATTERNS
+
+
+def frame(action: str, which: float | None = None, **axes: float) -> SetFrame:
+    """Where work coordinates count from."""
+    return SetFrame(action=action, number=None if which is None else number(which), places=at(**axes), span=PLACE)
+
+
+def hole(kind: str = "drill", *, back: str = "top", relative: bool = False, **more: object) -> DrillHole:
+    """A hole at X1 Y2 from Z1 down to Z-3."""
+    (top,), (bottom,) = at(z=1), at(z=-3)
+    places = at(x=1, y=2, relative=relative)
+    return DrillHole(kind=kind, at=places, top=top, bottom=bottom, back=back, span=PLACE, **more)  # type: ignore[arg-type]
+
+
+def change(which: float | None = None, *, select: bool = True, now: bool = True, rests: bool = False) -> ChangeTool:
+    """A tool change."""
+    tool = None if which is None else number(which)
+    return ChangeTool(number=tool, select=select, change=now, rests=rests, span=PLACE)
+
+
+def spindle(direction: str) -> TurnSpindle:
+    """The spindle starts or stops."""
+    return TurnSpindle(direction=direction, speed=None, span=PLACE)
+
+
+def without(name: str, *features: str) -> Target:
+    """A target that lacks features besides."""
+    target = TARGETS[name].target()
+    assert set(features) <= set(target.legal)
+    return replace(target, legal={one: source for one, source in target.legal.items() if one not in features})
+
+
+N, TWICE = variable(1), Binary("<", variable(1), number(2), PLACE)
+ONE_MORE = SetVariable(target=N, value=Binary("+", N, number(1), PLACE), span=PLACE)
+ZERO = SetVariable(target=N, value=number(0), span=PLACE)
+PASSES: tuple[Node, ...] = (cut(x=N), ONE_MORE)
+LOOP = LoopWhile(condition=TWICE, body=PASSES, span=PLACE)
+REPEAT = LoopWhile(condition=TWICE, body=PASSES, first=True, span=PLACE)
+COUNT = CountLoop(variable=N, first=number(1), last=number(2), body=(cut(x=N),), span=PLACE)
+GRID = RepeatGrid(rows=1, columns=2, dx=mm(10), dy=mm(0), body=(cut(z=-1),), back=False, span=PLACE)
+INPUT = Choice(condition=Input("input", number(3), PLACE), then=(cut(x=1),), otherwise=(), span=PLACE)
+CHOICE = Choice(condition=number(1), then=(cut(x=1),), otherwise=(cut(x=2),), span=PLACE)
+PART = OptionalPart(body=(cut(x=1),), span=PLACE)
+HALF = ArcTo(to=at(x=10, y=0), plane="xy", clockwise=True, radius=mm(5), span=PLACE)
+AT_PLACE = ArcTo(to=at(x=10, y=0), plane="xy", clockwise=True, center=at(x=6, y=3), span=PLACE)
+CENTRED = replace(AT_PLACE, center=at(x=5, y=0, relative=True))
+CIRCLE = replace(CENTRED, to=())
+ACROSS = ArcTo(to=at(x=2, z=0), plane="xz", clockwise=True, center=at(x=1, z=0, relative=True), span=PLACE)
+TURN = SetFrame(action="rotate", places=at(x=0, y=0), angle=mm(90, "deg"), span=PLACE)
+CORNERS = SetPathMode(mode="continuous", tolerance=mm(0.1), simplify=mm(0.2), span=PLACE)
+ROUNDED = replace(CORNERS, simplify=None)
+MESSAGE = ShowText(kind="msg", parts=(Text("turn it", PLACE),), span=PLACE)
+MIST = SwitchCoolant(mist=True, span=PLACE)
+DIVIDED = cut(x=Binary("div", number(7), variable(1), PLACE))
+ENDS = EndJob(reset=False, span=PLACE)
+
+
+@dataclass(frozen=True)
+class Case:
+    """target: that needs the pattern for ``job``, which becomes ``result`` ("...": not compared); other: a job that
+    must not have it, or the same one for ``other_target``, or without what ``options`` say."""
+
+    target: str | Target
+    job: Job
+    result: str
+    other: Job | None = None
+    other_target: str = ""
+    options: Options = field(default_factory=Options)
+
+
+CASES = {
+    "array -> its cells": Case(
+        "eding", job(rapid(x=0, y=0), GRID), "rapid x0 y0; cut z-1; rapid x10 y0; cut z-1", other_target="wincnc"
+    ),
+    "several runs -> one after the other": Case(
+        "eding", job(run(count=2), a=[cut(x=1)]), "run a; run a", other_target="mcuwin"
+    ),
+    "arguments -> variables": Case("eding", job(run(v5=2), a=[cut(x=1)]), "#5 = 2; run a", other_target="grbl"),
+    "subprogram -> what it does": Case("grbl", job(run(), a=[cut(x=1)]), "cut x1", other_target="eding"),
+    "input in a condition -> read before": Case(
+        "eding", job(INPUT), "read 3; if #5399 {cut x1} else {}", other_target="mcuwin"
+    ),
+    "choice -> the way that is taken": Case("grbl", job(CHOICE), "cut x1", other_target="eding"),
+    "block delete -> what its switch says": Case("eding", job(PART), "", options=Options(block_delete=True)),
+    "counted loop -> loop with a condition": Case(
+        "eding", job(COUNT), "#1 = 1; while (#1 <= 2) {cut x#1; #1 = (#1 + 1)}", other_target="mcuwin"
+    ),
+    "counted loop -> its passes": Case("grbl", job(COUNT), "cut x1; cut x2", other_target="eding"),
+    "condition at the end -> at the start": Case(
+        "eding", job(REPEAT), "cut x#1; #1 = (#1 + 1); while (#1 < 2) {cut x#1; #1 = (#1 + 1)}", other_target="linuxcnc"
+    ),
+    "loop -> its passes": Case("grbl", job(ZERO, LOOP), "cut x0; cut x1", other_target="eding"),
+    "setting of a variable -> remembered value": Case("grbl", job(ZERO, cut(x=N)), "cut x0", other_target="eding"),
+    "expression -> number": Case("grbl", job(ZERO, cut(x=N)), "cut x0", other=job(cut(x=N))),
+    "operator -> others": Case("eding", job(DIVIDED), "cut xint((7 / #1))", other_target="mcuwin"),
+    "repeated hole -> single holes": Case(
+        "linuxcnc", job(hole(repeats=number(2))),
+        "drill x1 y2 z1 to z-3 back to top; drill x1 y2 z1 to z-3 back to top", other_target="eding",
+    ),
+    "relative hole -> absolute hole": Case(
+        "linuxcnc", job(rapid(x=10, y=20, z=5), hole(relative=True)),
+        "rapid x10 y20 z5; drill x11 y22 z1 to z-3 back to top", other_target="eding",
+    ),
+    "hole that returns -> hole, and back": Case(
+        "wincnc", job(rapid(z=5), hole(back="before")), "rapid z5; drill x1 y2 z1 to z-3 back to top; rapid z5",
+        other_target="linuxcnc",
+    ),
+    "drilling cycle -> moves": Case(
+        "grbl", job(rapid(z=5), hole(back="before")), "rapid z5; rapid x1 y2; rapid z1; cut z-3; rapid z5",
+        other_target="eding",
+    ),
+    "centre at a place -> from the start": Case(
+        "eding", job(cut(x=2, y=0), AT_PLACE), "cut x2 y0; cw x10 y0 about +x4 +y3", other_target="mcuwin"
+    ),
+    "radius -> centre": Case(
+        "wincnc", job(cut(x=0, y=0), HALF), "cut x0 y0; cw x10 y0 about +x5 +y0", other_target="eding"
+    ),
+    "full circle -> its end by name": Case(
+        "grbl", job(cut(x=1, y=2), CIRCLE), "cut x1 y2; cw x1 y2 about +x5 +y0", other_target="wincnc"
+    ),
+    "arc -> chords": Case("wincnc", job(cut(x=0, z=0), ACROSS), "...", other_target="eding"),
+    "rotation, scaling, mirroring -> numbers": Case(
+        "grbl", job(TURN, cut(x=10, y=0)), "cut x0 y10", other_target="eding"
+    ),
+    "zero at a machine place -> spare work offset": Case(
+        "eding", job(frame("zero_at", x=1, y=2, z=3), cut(x=0, y=0, z=0)),
+        "store 9 x1 y2 z3; select 9; cut x0 y0 z0", other_target="mcuwin",
+    ),
+    "stored work offset -> zero at its place": Case(
+        "wincnc", job(frame("store", 2, x=5), frame("select", 2), cut(x=0)), "zero_at x5; cut x0", other_target="eding"
+    ),
+    "work offset -> the only one": Case(
+        without("grbl", "frame_select"), job(frame("select", 1), cut(x=0)), "cut x0",
+        other=job(frame("select", 1), frame("select", 2), cut(x=0)),
+    ),
+    "work offset with a local offset -> with a shift": Case(
+        "mcuwin", job(rapid(x=10), frame("local_here", x=0), frame("select", 2), cut(x=0)),
+        "rapid x10; zero_shift x10; select 2; zero_shift x10; cut x0", other_target="eding",
+    ),
+    "local offset -> shift of the zero": Case(
+        "mcuwin", job(rapid(x=10), frame("local_here", x=4), cut(x=0)), "rapid x10; zero_shift x6; cut x0",
+        other_target="eding",
+    ),
+    "unit -> another unit": Case("mcuwin", job(rapid("inch", x=2)), "rapid x50.8", other_target="eding"),
+    "relative places -> absolute places": Case(
+        without("grbl", "relative"), job(rapid(x=3), rapid(x=2, relative=True)), "rapid x3; rapid x5",
+        other=job(rapid(x=3), rapid(y=2)),
+    ),
+    "path mode -> a setting of the controller": Case("grbl", job(ROUNDED), "", other_target="linuxcnc"),
+    "filter of a path mode -> every place": Case("linuxcnc", job(CORNERS), "continuous", other_target="eding"),
+    "guard -> none": Case(
+        "linuxcnc", job(SwitchGuard(name="tca_guard", on=False, span=PLACE)), "", other_target="eding"
+    ),
+    "continuous path -> exact path": Case(
+        without("linuxcnc", "path_tolerance"), job(ROUNDED), "exact_path", other=job(replace(ROUNDED, tolerance=None))
+    ),
+    "overrides allowed -> as always": Case(
+        "mcuwin", job(AllowOverrides(on=True, span=PLACE)), "", other=job(AllowOverrides(on=False, span=PLACE))
+    ),
+    "coolant -> the other coolant": Case(
+        "mcuwin", job(MIST), "mist None flood True", options=Options(coolant={"mist": "flood"})
+    ),
+    "tool selected early -> at the change": Case(
+        "wincnc", job(change(2, now=False), change(2)), "change 2", other_target="eding"
+    ),
+    "change -> change with a number": Case(
+        "wincnc", job(change(2, now=False), change(select=False)), "change 2", other=job(change(2))
+    ),
+    "tool change -> stop": Case(
+        "grbl", job(spindle("cw"), change(1, rests=True)), "spindle cw; spindle off; (put in tool 1); PauseJob",
+        options=Options(tool_change="stop"),
+    ),
+    "message -> comment": Case("grbl", job(MESSAGE), "(turn it)", other_target="eding"),
+    "change that stops the spindle -> spindle off, change": Case(
+        "wincnc", job(spindle("cw"), change(1, rests=True)), "spindle cw; spindle off; change 1", other_target="eding"
+    ),
+    "change with the spindle running -> change, spindle on": Case(
+        "eding", job(spindle("cw"), change(1)), "spindle cw; change 1 at rest; spindle cw", other_target="wincnc"
+    ),
+    "end that stops spindle and coolant -> both off, end": Case(
+        "mcuwin", job(spindle("cw"), replace(ENDS, rests=True)), "spindle cw; spindle off; EndJob", other_target="eding"
+    ),
+    "end -> the end that there is": Case(
+        without("grbl", "end_reset"), job(replace(ENDS, reset=True)), "EndJob", other=job(ENDS)
+    ),
+    "machine coordinates -> zero there and back": Case(
+        "mcuwin", job(rapid(z=0, frame="machine")), "zero_keep; zero_at z0; rapid z0; zero_recall", other_target="eding"
+    ),
+    "end of a compensation that never starts -> nothing": Case(
+        "grbl", job(Compensate(side="off", span=PLACE), cut(x=1)), "cut x1",
+        other=job(Compensate(side="left", span=PLACE), cut(x=1), Compensate(side="off", span=PLACE)),
+    ),
+    "end of a tool length that is never used -> nothing": Case(
+        "mcuwin", job(UseLength(on=False, span=PLACE), cut(x=1)), "cut x1",
+        other=job(UseLength(on=True, span=PLACE), cut(x=1), UseLength(on=False, span=PLACE)),
+    ),
+}  # fmt: skip
+
+
+def test_every_pattern_has_a_case_and_every_case_a_pattern() -> None:
+    assert sorted(CASES) == sorted(pattern.name for pattern in PATTERNS)
+    assert len({pattern.name for pattern in PATTERNS}) == len(PATTERNS)
+
+
+def target_of(given: str | Target) -> Target:
+    return TARGETS[given].target() if isinstance(given, str) else given
+
+
+@each("name", CASES)
+def test_a_pattern_does_what_it_is_for(name: str) -> None:
+    case = CASES[name]
+    legal = legalize(case.job, target_of(case.target), case.options)
+    assert not legal.refused
+    assert name in {one.pattern for one in legal.lowered}
+    assert case.result in ("...", said(legal.job.body))
+
+
+@each("name", CASES)
+def test_a_pattern_stays_away_from_what_does_not_need_it(name: str) -> None:
+    case = CASES[name]
+    needs_options = case.options != Options()
+    assert (case.other is not None) + bool(case.other_target) + needs_options == 1, "one way that it differs"
+    target = target_of(case.other_target or case.target)
+    legal = legalize(case.other or case.job, target, Options())
+    assert name not in {one.pattern for one in legal.lowered}
+
+
+def test_chords_are_as_close_to_the_arc_as_they_should_be() -> None:
+    """Half a circle of 1 mm about X1 Z0, from X0 to X2, clockwise seen from +Y: by way of Z-1 or Z1."""
+    legal = legalize(CASES["arc -> chords"].job, TARGETS["wincnc"].target(), Options(chord_tolerance=0.01))
+    (rows,) = (node.rows for node in legal.job.body if type(node).__name__ == "Moves")
+    ends = [(0.0, 0.0), *zip(rows["to"][:, 0].tolist(), rows["to"][:, 2].tolist(), strict=True)]
+    assert ends[-1] == (2.0, 0.0)
+    for (x, z), (u, w) in pairwise(ends):
+        assert abs(((u - 1) ** 2 + w**2) ** 0.5 - 1.0) < 1e-12
+        middle = (((x + u) / 2 - 1) ** 2 + ((z + w) / 2) ** 2) ** 0.5
+        assert 1.0 - 0.01 <= middle < 1.0
+    # Seen from +Y, X points to the left when Z points up: clockwise from X0 to X2 is by way of Z-1.
+    assert min(z for _, z in ends) < -0.99 and max(z for _, z in ends) <= 1e-12
