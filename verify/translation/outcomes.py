@@ -63,6 +63,12 @@ def matched(one: Stretch, other: Stretch, result: Comparison) -> Iterator[tuple[
         yield a, b
         return
     swapped = False
+    asked = one.side.trace.questions.get(one.sections[-1])
+    is_answered = wait is Wait.OPERATOR or (asked is not None and asked.kind == "answer")
+    if is_answered and one.question != other.question:
+        # What the operator answers rests on what is asked.
+        result.open(divergence("question", places, names=(one.question, other.question)))
+        return
     if wait is Wait.BRANCH:
         same = _same_question(one, other)
         if same is None:

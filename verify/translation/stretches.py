@@ -56,6 +56,14 @@ class Stretch:
         return self.side.trace.files[file], line
 
     @property
+    def question(self) -> str:
+        """The last text that the operator reads before the wait, in letters and digits; "" for none."""
+        rows = self.side.trace.sections[self.sections[-1]].rows
+        texts = rows["text"][rows["op"] == Op.MESSAGE]
+        said = self.side.trace.texts[int(texts[-1])] if len(texts) else ""
+        return "".join(filter(str.isalnum, said.casefold()))
+
+    @property
     def last_place(self) -> Place | None:
         """File and line of what ends it, as far as known."""
         edge = self.edges[0] if self.edges else None

@@ -49,6 +49,7 @@ OPEN: dict[str, str] = {
     "not followed": "what comes after this line is unknown",
     "branch": "the source waits for {names[0]}, the target for {names[1]}: an open condition is on one side only",
     "names": "the position rests on something that arises in a loop",
+    "question": "the operator reads different questions",
     "one question": "one program asks a question here, and the other goes on without it",
     "condition": "the two conditions cannot be compared",
     "timeout": "the wait ends with {names[0]!r} in the source and {names[1]!r} in the target",

@@ -12,6 +12,7 @@ import pytest
 from verify.translation.support import STRAIGHT, Shop
 
 from gproof.ir.verdict import Verdict
+from gproof.verify.translation.words import sentence
 from verify.translation import test_dialects as three
 
 FULL = """\
@@ -219,6 +220,8 @@ def refused(shop: Shop, source: str, target: tuple[str, ...], edit: Edit, kind: 
     assert answer.verdict is (Verdict.UNSAFE if answer.differences else Verdict.UNKNOWN)
     kept = answer.differences or answer.unknown
     assert not kind or kept[0].kind == kind, answer
+    words = [sentence(found, is_open=not answer.differences) for found in kept]
+    assert all(len(text) > 8 and "{" not in text for text in words), words
     assert kept[0].source is not None and kept[0].target is not None
 
 
