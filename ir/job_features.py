@@ -193,6 +193,8 @@ def _own(node: Node) -> Iterator[str]:
     elif isinstance(node, SetFrame):
         if node.action == "scale" and {one.axis for one in node.factors} != {"x", "y"}:
             yield "frame_scale_axis"
+        if node.action in {"zero_keep", "zero_recall"} and node.number is not None:
+            yield "frame_zero_register"
         yield "frame_select_axes" if node.axes else _FRAMES.get(node.action, f"frame_{node.action}")
     elif isinstance(node, SetPathMode):
         yield f"path_{node.mode}"

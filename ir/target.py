@@ -78,6 +78,7 @@ FEATURES: dict[str, str] = {
     "frame_local_off": "local offset off",
     "frame_zero_recall": "work zero brought back",
     "frame_zero_keep": "work zero kept",
+    "frame_zero_register": "work zero kept in one of several places",
     "frame_zero_shift": "work zero moved",
     "frame_zero_at": "work zero at a machine place",
     "path_filter": "path mode with a filter",

@@ -120,6 +120,7 @@ class Context:
         self.remembered: tuple[float | None, Zero, dict[str, float] | None, dict[str, float]] | None = None
         self.moved: set[str] = set()
         self.settled: SetFrame | None = None
+        self.coming: tuple[SetFrame, Zero, dict[str, float]] | None = None
         self.axes = axes_of(job)
         self.local: dict[str, float] | None = {}
         self.suspended: dict[str, float] | None = None
@@ -229,8 +230,17 @@ class Context:
         elif isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid):
             self.forget((node,))
 
+    def come_back(self, select: SetFrame, moved: set[str]) -> None:
+        """This operation, some operations on, brings back what is known now, but for the places of some axes."""
+        place = {axis: at for axis, at in self.place.items() if axis not in moved}
+        self.coming = select, self.zero, place
+
     def _after_frame(self, node: SetFrame) -> None:
         number = None if node.number is None else self.value(node.number)
+        if self.coming is not None and node is self.coming[0]:
+            _, self.zero, self.place = self.coming
+            self.local, self.coming = {}, None
+            return
         if node.action == "select" and not node.axes:
             places = self.spare_places if number == self.target.spare_offset else {}
             self.zero = Zero(0 if places or number is None else round(number), places)
@@ -344,6 +354,12 @@ class Context:
             self.values.pop(round(number), None)
         else:
             self.values[round(number)] = value
+
+    def begin_routine(self, name: str) -> None:
+        """At the start of a routine, which runs at any place of the job: what nothing in the job changes is known."""
+        self.forget(self.job.routines[name].body)
+        self.forget(self.job.body)
+        self.values = {}
 
     def forget_zero(self) -> None:
         """Which zero is in force is not known, nor what was kept."""

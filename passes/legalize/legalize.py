@@ -130,8 +130,7 @@ class _Legalizer:
         try:
             body = self.body(self.job.body)
             for name in self._reached(body):
-                self.context.forget(self.job.routines[name].body)
-                self.context.values = {}
+                self.context.begin_routine(name)
                 routine = self.job.routines[name]
                 self.routines[name] = replace(routine, body=self.body(routine.body))
         except TooLong:

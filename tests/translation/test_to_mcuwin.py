@@ -107,9 +107,25 @@ def test_subprograms(tmp_path: Path) -> None:
 
 
 def test_machine_coordinates(tmp_path: Path) -> None:
-    """The zero is kept, put at machine zero, and brought back (3.26, 3.33, 3.34)."""
+    """The zero is put at machine zero (3.26), and brought back: by its record (3.19), or as it was kept (3.34)."""
     text = "G17 G21 G90 G94 G54 G49\nG0 X1\nG53 G0 Z0\nG0 X2\nM30\n"
-    expected = ["G00 X1", "G153", "G92 Z0", "G00 Z0", "G154", "G00 X2", "M30", "%"]
+    expected = ["G00 X1", "G92 Z0", "G00 Z0", "G54", "G00 X2", "M30", "%"]
+    assert lines_of(translated(tmp_path, text)) == expected
+    text = "sub up\nG53 G0 Z0\nendsub\nG17 G21 G90 G94 G54 G49\nG0 X1\ngosub up\nG0 X2\nM30\n"
+    expected = [
+        "G00 X1",
+        "M98 L1000",
+        "G00 X2",
+        "M30",
+        "%",
+        "%1000 ' up",
+        "G153",
+        "G92 Z0",
+        "G00 Z0",
+        "G154",
+        "M17",
+        "%",
+    ]
     assert lines_of(translated(tmp_path, text)) == expected
 
 
