@@ -29,7 +29,7 @@ def zero_in_between(node: Node, feature: str, context: Context) -> list[Node] | 
     zeros = tuple(
         AxisPlace(place.axis, Quantity(Number(0.0, span), "mm" if place.axis in "xyz" else "deg")) for place in named
     )
-    there = [SetFrame(action="zero_at", places=zeros, span=span), replace(node, frame="work")]
+    there: list[Node] = [SetFrame(action="zero_at", places=zeros, span=span), replace(node, frame="work")]
     known = _offset(context)
     if known:
         back = SetFrame(action="select", number=Number(float(known), span), span=span)
