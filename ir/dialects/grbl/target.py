@@ -22,7 +22,7 @@ TARGET = Target(
         "frame_local_here": _LIST, "frame_local_off": _LIST, "length": _LIST, "tool_select": "Supported G-Codes, T",
         "spindle_speed": "Supported G-Codes, S", "spindle": _LIST, "flood": _LIST, "dwell": _LIST, "stop": _LIST,
         "feed_alone": "Supported G-Codes, F", "straight": _LIST, "rapid": _LIST, "end": _LIST, "end_reset": _LIST,
-        "end_rests": _LIST,
+        "end_rests": _LIST, "tool_change_running": "a stop (M0) where the map says so: the spindle stays as it is",
         "comment": "Interface, Comments",
     },
     style=Style(extension=".nc", decimals_mm=4, line_length=70),

@@ -399,7 +399,7 @@ class Controller:
             self.feed = NAN
 
     def _probe(self, words: Words, line: int) -> None:
-        """G38.2: the axes that move are where the probe touched."""
+        """G38.2: the axes that move have gone some way from where they were when the probe touches."""
         self._still()
         manner = self.manner()
         named = [axis for axis, letter in enumerate(AXES) if letter in words.values]
@@ -408,14 +408,15 @@ class Controller:
             table[axis] = words.values.pop(AXES[axis])
         if self.per != 94:
             raise Unread("a probing move that is not in G94")
+        before = [self.here(axis) for axis in range(len(AXES))]
         self.one_move(1, line, manner, table)
         self.rows.last()["op"][0] = int(Op.PROBE)
         self.probes += 1
         self.rows.wait(Wait.PROBE, "stopped", line)
         forms: list[Any] = list(self.rows.forms)
         for axis in named:
-            self.rows.place[axis] = 0.0
-            forms[axis] = unknown(f"probe.{self.probes}.{AXIS_NAMES[axis]}").form
+            touched = before[axis].plus(unknown(f"probe.{self.probes}.{AXIS_NAMES[axis]}"))
+            self.rows.place[axis], forms[axis] = touched.value, touched.form
         self.rows.forms = self._forms(forms)
         self.rows.starts_here()
 
