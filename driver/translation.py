@@ -327,6 +327,7 @@ def terms_of(
         target_symbols=(
             *_only_local(done.target.name, done.session.dialect), *_measured(done, source), *_lengths_in_zeros(done),
         ),
+        coolant=tuple(sorted(given.coolant.items())),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
     )  # fmt: skip
 

@@ -178,10 +178,12 @@ class WaitFor:
 
 @record(frozen=True, slots=True, kw_only=True)
 class PauseJob:
-    """Wait for the operator. optional: only if the machine's switch for optional stops is on."""
+    """Wait for the operator. optional: only if the machine's switch for optional stops is on; tool: what the operator
+    puts into the spindle meanwhile."""
 
     span: Span
     optional: bool = False
+    tool: Expr | None = None
 
 
 @record(frozen=True, slots=True, kw_only=True)

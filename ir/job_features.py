@@ -92,7 +92,7 @@ def expressions(node: Node) -> Iterator[Expr]:
         yield node.channel
     elif isinstance(node, SetFrame | ChangeTool) and node.number is not None:
         yield node.number
-    elif isinstance(node, Compensate | UseLength) and node.tool is not None:
+    elif isinstance(node, Compensate | UseLength | PauseJob) and node.tool is not None:
         yield node.tool
     elif isinstance(node, DrillHole) and node.repeats is not None:
         yield node.repeats

@@ -44,6 +44,7 @@ class TranslationTerms:
     printed.
     silent: texts of commands to devices that need no counterpart, because they move and switch nothing.
     axes: that the job moves: what is left in the offsets of others is not compared.
+    coolant: (source word, target word) of ``mist`` and ``flood``, where the map has one of them for the other.
     scratch: offsets of the target that the translation itself uses (``work.9.x``): what they hold is not compared.
     machine_zero_shared: machine coordinates of both machines count from the same place.
     tool_change_waits: a wait for the operator at a tool change is compared; else a machine that changes the tool by
@@ -72,6 +73,7 @@ class TranslationTerms:
     tool_change_waits: bool = True
     machine_zero_shared: bool = True
     axes: frozenset[str] = frozenset("xyzabc")
+    coolant: tuple[tuple[str, str], ...] = ()
     scratch: frozenset[str] = field(default_factory=frozenset)
 
 

@@ -82,7 +82,7 @@ M8
 while [#1 < 3]
   G0 X[#1 * 10] Y0
   G1 Z-1 F100
-  G3 I2 J0
+  G3 X[#1 * 10] Y0 I2 J0
   G0 Z5
   #1 = [#1 + 1]
 endwhile

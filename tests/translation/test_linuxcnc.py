@@ -38,7 +38,7 @@ REFUSED = {
     "F of arcs", "reference run", "jump to a label", "a software limit that the program sets", "TMX in braces",
     "Task 0 does something", "X.TP", "a place of X under a reflection", "variables that the controller keeps",
     "the axes move to the same place of the other workspace",
-    "words of a rotary axis are lengths", "an expression in two units", "scaling of coordinates",
+    "under a rotation, scaling or mirror", "words of a rotary axis are lengths", "an expression in two units", "scaling of coordinates",
 }  # fmt: skip
 """Constructs of sources that LinuxCNC cannot have, or that have no neutral form: a refusal names one of them."""
 UNPROVEN = {
@@ -48,11 +48,7 @@ UNPROVEN = {
     "guilloche-engraving": "the angle of a filter of corners (R)",
     "raster-surface": "the angle of a filter of corners (R)",
     "turning-diameter": "diameters of a lathe",
-    "rotary-mill/keyways": "the zero of C that is left",
-    "router-atc/hinge-plates": "the tool that the magazine's macro takes away",
-    "router-atc/metric-fittings": "the tool that the magazine's macro takes away",
-    "router-atc/relief": "the tool that the magazine's macro takes away",
-    "router-atc/shelf-pins": "the tool that the magazine's macro takes away",
+    "router-atc/hinge-plates": "M6 stops the spindle",
 }
 """Jobs that are written and not proven, and why."""
 

@@ -68,6 +68,7 @@ class EventReader:
         self.found: list[Event] = []
         self.rests: set[int] = set()
         self._partial: Event | None = None
+        self._coolant_words = dict(side.terms.coolant) if side.which == 0 else {}
 
     @property
     def devices(self) -> Devices:
@@ -158,6 +159,13 @@ class EventReader:
 
     def _cool(self, now: tuple[float, ...], at: int, place: Place) -> None:
         """now: mist and flood."""
+        if self._coolant_words:
+            # As the target's map has it: one of them may stand for the other, and is on where either is.
+            mapped = {"mist": 0.0, "flood": 0.0}
+            for word, value in zip(("mist", "flood"), now, strict=True):
+                into = self._coolant_words.get(word, word)
+                mapped[into] = value if mapped[into] != 1.0 and value != 0.0 else mapped[into]
+            now = mapped["mist"], mapped["flood"]
         if now != self.coolant:
             self._add("coolant", now, at, place)
         self.coolant = now

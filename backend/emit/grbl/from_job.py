@@ -48,10 +48,8 @@ class GrblWriter(Rs274Writer):
         super().coolant(SwitchCoolant(span=node.span, flood=node.flood))
 
     def tool(self, node: ChangeTool) -> None:
-        """T alone is only noted."""
-        if node.change:
-            raise Unprintable("a tool change")
-        super().tool(node)
+        """There is no M6."""
+        raise Unprintable("a tool change")
 
     def length(self, node: UseLength) -> None:
         """G49, or G43.1 with the length that the machine file has of the tool: grbl has no tool table."""

@@ -260,7 +260,10 @@ class Rs274Writer(JobWriter):
         return self.expression(self.scaled(time.value, 0.001) if time.unit == "ms" else time.value)
 
     def pause(self, node: PauseJob) -> None:
-        """M0, M1."""
+        """M0, M1; T, for a tool that the operator puts in."""
+        if node.tool is not None:
+            self.flush()
+            self.put(TOOL, [f"T{self.expression(node.tool)}"], node.span)
         self.put(STOP, ["M1" if node.optional else "M0"], node.span)
 
     def spindle(self, node: TurnSpindle) -> None:

@@ -54,10 +54,12 @@ def change_as_stop(node: Node, feature: str, context: Context) -> list[Node] | N
         return None
     if node.rests or "tool_change" in context.target.legal:
         return None
-    number = None if node.number is None else context.value(node.number)
+    number = context.values.get(SELECTED) if node.number is None else context.value(node.number)
+    if number is None:
+        return None
     context.assume("at a stop for a tool change the operator puts in the tool that the comment names")
-    what = "the next tool" if number is None else f"tool {number:g}"
-    return [Remark(text=f"put in {what}", span=node.span), PauseJob(span=node.span)]
+    tool = Number(number, node.span)
+    return [Remark(text=f"put in tool {number:g}", span=node.span), PauseJob(span=node.span, tool=tool)]
 
 
 def rest_before_change(node: Node, feature: str, context: Context) -> list[Node] | None:

@@ -53,6 +53,7 @@ class Controller:
         self.direction = 0
         self.coolant = (0.0, 0.0)
         self.selected: int | None = None
+        self.by_hand = False
         self.waits_for_motion = False
         self.probes = 0
         self.ended = False
@@ -146,6 +147,7 @@ class Controller:
             if self.direction and "spindle" not in words.m:
                 self.turn(self.direction, line)
         tool = words.take("T")
+        self.by_hand = tool is not None and not self.language.structured
         if tool is not None:
             if tool != round(tool) or tool < 0:
                 raise Unread(f"T{tool:g}")
@@ -433,6 +435,12 @@ class Controller:
         if code is None:
             return
         self._still()
+        if self.by_hand and code == 0 and self.selected is not None:
+            self.assumed[f"at a stop with T the operator changes the tool: {self.language.title} has no M6"] = None
+            self.now(tool=self.selected)
+            self.event(Op.TOOL_CHANGE, line, float(self.selected))
+            self.rows.wait(Wait.TOOL_CHANGE, "tool changed", line)
+            return
         if code in (0, 10):
             self.event(Op.STOP, line, float(code == 10))
             self.rows.wait(Wait.OPERATOR, "cycle start", line)
