@@ -38,7 +38,8 @@ REFUSED = {
     "F of arcs", "reference run", "jump to a label", "a software limit that the program sets", "TMX in braces",
     "Task 0 does something", "X.TP", "a place of X under a reflection", "variables that the controller keeps",
     "the axes move to the same place of the other workspace",
-    "under a rotation, scaling or mirror", "words of a rotary axis are lengths", "an expression in two units", "scaling of coordinates",
+    "under a rotation, scaling or mirror",
+    "words of a rotary axis are lengths", "an expression in two units", "scaling of coordinates",
 }  # fmt: skip
 """Constructs of sources that LinuxCNC cannot have, or that have no neutral form: a refusal names one of them."""
 UNPROVEN = {

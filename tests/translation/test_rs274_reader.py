@@ -13,7 +13,7 @@ from support.campaigns import seeds
 
 from gproof.driver.running import execute
 from gproof.driver.session import open_session
-from gproof.driver.translation import any_zero
+from gproof.driver.translation_traces import any_zero
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.trace import Op, Trace, Wait
