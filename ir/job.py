@@ -273,13 +273,14 @@ class SetPathMode:
 @record(frozen=True, slots=True, kw_only=True)
 class Compensate:
     """Cutter compensation. side: ``left``, ``right``, ``off``; tool: whose diameter counts; diameter: instead of it;
-    plane: of the contour."""
+    plane: of the contour; open: which path the source's controller takes, its manual does not say."""
 
     side: str
     span: Span
     tool: Expr | None = None
     diameter: Quantity | None = None
     plane: str = "xy"
+    open: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -206,6 +206,8 @@ def _own(node: Node) -> Iterator[str]:
         yield "compensation"
         if node.plane != "xy":
             yield "compensation_plane"
+        if node.open:
+            yield "compensation_open"
         if node.diameter is not None:
             yield "compensation_diameter"
     elif isinstance(node, ChangeTool):

@@ -86,6 +86,7 @@ FEATURES: dict[str, str] = {
     "path_tolerance": "tolerance of continuous path",
     "path_exact_stop": "exact stop",
     "path_exact_path": "exact path",
+    "compensation_open": "cutter compensation whose path the manual leaves open",
     "compensation_plane": "cutter compensation in XZ or YZ",
     "compensation": "cutter compensation",
     "compensation_diameter": "cutter compensation with a diameter of its own",

@@ -172,7 +172,7 @@ def correction(state: McuWinState, part: Part, span: Span) -> list[Node]:
     on = state.now.own("side")
     if function is F.COMPENSATION_OFF:
         state.keep(side=False)
-        return [] if on is False else [Compensate(side="off", span=span)]
+        return [] if on is False else [Compensate(side="off", open=True, span=span)]
     if not state.din.tools:
         raise Unraisable(code, "no tool table is known (2.7)")
     if on is not False:
@@ -181,7 +181,7 @@ def correction(state: McuWinState, part: Part, span: Span) -> list[Node]:
         raise Unraisable(code, "the plane depends on the path that the program took")
     state.keep(side=True)
     side = "left" if function is F.COMPENSATION_LEFT else "right"
-    return [Compensate(side=side, plane=state.now.plane, span=span)]
+    return [Compensate(side=side, plane=state.now.plane, open=True, span=span)]
 
 
 def _uncorrected(state: McuWinState, code: str) -> None:

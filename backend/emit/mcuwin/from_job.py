@@ -469,7 +469,7 @@ class McuWinWriter(JobWriter):
 
     def side(self, node: Compensate) -> None:
         """G40 to G42, by the record of the tool table that T selects (2.7)."""
-        if self.job.source != self.target.name or node.tool is not None or node.diameter is not None:
+        if not node.open or node.tool is not None or node.diameter is not None:
             raise Unprintable("cutter compensation, whose path the manual leaves open (2.7)")
         if node.side != "off":
             self._plane(node.plane)

@@ -56,7 +56,7 @@ def adapted(target: Target, machine: Machine, source: str) -> Target:
     if din.tools:
         legal |= {"arc_xz": "3.7", "arc_yz": "3.8"}
     if din.tools and source == target.name:
-        legal |= {"compensation": "2.7", "compensation_plane": "2.7"}
+        legal |= {"compensation": "2.7", "compensation_plane": "2.7", "compensation_open": "2.7"}
     tool = din.task("T")
     if tool is None or tool.action == "unknown":
         legal = {name: source for name, source in legal.items() if name not in ("tool_select", "tool_change")}
