@@ -125,7 +125,9 @@ def feed_of_arc(modes: Modes, rules: FeedRules, *, given: bool) -> Rate | None:
     rate = _usable(modes, rules, "arc", -1)
     if own is None:
         rate = None if rules.usual[0] is None else (rules.usual[0], rules.unit)
-    return rate if given or rules.shared is False or feeds == [rate, rate] else None
+    # After an F of an arc, and until lines have one, it is the last of both.
+    last_of_both = own is not None and modes.own("doubt") is True
+    return rate if given or rules.shared is False or last_of_both or feeds == [rate, rate] else None
 
 
 @record(slots=True)
@@ -199,7 +201,7 @@ def _effective(rows: Columns, filled: _Filled, rules: FeedRules) -> Array:
     rate[filled.doubt & (mask & 3 != 0)] = np.nan
     own = filled.arc
     alike = (filled.by_column[0] == own) & (filled.by_column[1] == own)
-    sure = ~np.isnan(rows["feed"]) | alike | (rules.shared is False)
+    sure = ~np.isnan(rows["feed"]) | alike | (rules.shared is False) | filled.doubt
     return np.where(arc, np.where(sure, own, np.nan), rate)
 
 

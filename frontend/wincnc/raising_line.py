@@ -28,6 +28,19 @@ MAPPINGS = (F.MAP_WORDS, F.MAP_HEADS, F.MAP_PULSES)
 MODES_OF_DISTANCE = (F.ABSOLUTE, F.INCREMENTAL, *ONCE)
 
 
+OWN_MODES: dict[str, object] = {
+    "doubt": False, "cycle": 0, "cell": False, "turn": "", "settled": False, "center": None, "z": None, "said": None,
+    "unit_before": None, "stored": False, "moved": False, "keep": False, "lengths": True, "work": 1, "arc": None,
+}  # fmt: skip
+"""Modes of this language at the start of a job.
+
+doubt: an arc had the last F; cycle: tenths of a drilling cycle in force; cell: an array's cell has named no zero yet;
+turn: ``rotate`` or ``scale``, settled: X and Y were named since; center: I and J of the last arc; z: height of Z; said:
+the feed that the Job has in force; stored: G92.3 has put a zero away; moved, keep: the file has moved the zero, and
+keeps it; lengths: measures of tools count; arc: the feed of arcs.
+"""
+
+
 @record(slots=True)
 class Command:
     """A line of one command. words: by letter; columns: of its axis words; comment: after the words."""
@@ -92,7 +105,10 @@ class LineRaiser(Raiser):
     def first_modes(self) -> Modes:
         """The modes at the start of a job (WINCNC.INI Settings: unit=, nmode=)."""
         modes = Modes(unit=self.unit, relative=self.controls.absolute is False, back="top")
-        return first_feeds(modes, self.feeds).with_own("doubt", False).with_own("cycle", 0)
+        modes = first_feeds(modes, self.feeds)
+        for name, value in OWN_MODES.items():
+            modes = modes.with_own(name, value)
+        return modes
 
     @property
     def now(self) -> Modes:

@@ -176,7 +176,9 @@ def arc(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Node]:
 
 def need_size(raiser: LineRaiser, center: tuple[AxisPlace, ...], radius: Quantity | None, smallest: float) -> None:
     """Unraisable for an arc that may be below arc_min=."""
-    sizes = [radius] if radius is not None else [place.at for place in center if place.relative]
+    if radius is None and not all(place.relative for place in center):
+        return  # how far a place is away is not known here
+    sizes = [radius] if radius is not None else [place.at for place in center]
     numbers = [size.number for size in sizes]
     known = [abs(number) for number in numbers if number is not None]
     size = math.hypot(*known) if len(known) == len(numbers) and known else 0.0

@@ -83,7 +83,7 @@ class Zero:
 
 _KNOWN = (
     "values", "place", "spindle", "coolant", "switched", "turns", "program_place", "zero", "local_off", "kept", "local",
-    "suspended", "remembered", "moved", "offsets", "selected",
+    "suspended", "remembered", "moved", "offsets", "selected", "shift",
 )  # fmt: skip
 """What a context knows at a place."""
 
@@ -99,7 +99,8 @@ class Context:
     the spare work offset of the target is; axes: that the job moves; local: mm by axis of the local offset in force,
     None: not known, suspended: the one that was suspended; remembered: what ``zero_keep`` kept, moved: axes that moved
     since; settled: a select after which the local offset is brought back; unit: of lengths, as the source has it;
-    offsets: places that the job stored, of offsets that the target does not have, selected: which is in force."""
+    offsets: places that the job stored, of offsets that the target does not have, selected: which is in force,
+    shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -126,6 +127,8 @@ class Context:
         self.suspended: dict[str, float] | None = None
         self.offsets: dict[int, dict[str, float]] = {}
         self.selected = 1
+        self.shift: dict[str, float] | None = {}
+        self.placed: SetFrame | None = None
         self.unit = next((a.unit for node in self.nodes() for a in quantities(node) if a.unit in MM), "mm")
         self.lowered: list[Lowered] = []
         self.assumed: dict[str, None] = {}
@@ -168,6 +171,9 @@ class Context:
                 del known[key]  # type: ignore[arg-type]
         self.spindle = self.spindle if self.spindle == other["spindle"] else ""
         self.coolant = self.coolant or other["coolant"]
+        if (self.offsets, self.selected) != (other["offsets"], other["selected"]):
+            self.offsets, self.selected = {}, 0
+        self.shift = self.shift if self.shift == other["shift"] else None
         self.switched |= other["switched"]
         self.moved |= other["moved"]
         self.program_place = {}
@@ -235,7 +241,22 @@ class Context:
         place = {axis: at for axis, at in self.place.items() if axis not in moved}
         self.coming = select, self.zero, place
 
+    def _after_shift(self, node: SetFrame) -> None:
+        """How far the zero in force is from the work offset that was selected."""
+        if node is self.placed or (node.action == "select" and not node.axes):
+            self.shift = {}
+        elif node.action in {"zero_at", "zero_recall"}:
+            self.shift = None
+        elif node.action == "zero_shift" and self.shift is not None:
+            for place in node.places:
+                by = self.mm(place.at)
+                if by is None:
+                    self.shift = None
+                    return
+                self.shift[place.axis] = self.shift.get(place.axis, 0.0) + by
+
     def _after_frame(self, node: SetFrame) -> None:
+        self._after_shift(node)
         number = None if node.number is None else self.value(node.number)
         if self.coming is not None and node is self.coming[0]:
             _, self.zero, self.place = self.coming
@@ -373,6 +394,8 @@ class Context:
                 self.forget_zero()
                 if node.action in {"store", "store_here", "select"}:
                     self.offsets, self.selected = {}, 0
+                if node.action.startswith("zero"):
+                    self.shift = None
                 if node.action.startswith(("local", "zero")):
                     self.local = None
             if isinstance(node, SetVariable):

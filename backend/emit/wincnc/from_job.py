@@ -16,9 +16,9 @@ from gproof.backend.emit.job_numbers import decimals_of, factor, text_of
 from gproof.backend.emit.job_writer import JobWriter, joined
 from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.wincnc.feeds import feed_groups, forget_feeds, needs_feed
+from gproof.backend.emit.wincnc.job_walk import ZERO, Rate, bits, feed_after, kept_before, number, own_zero, rate_of
 from gproof.backend.emit.wincnc.tables import table_text
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
-from gproof.ir.dialects.wincnc.target import NUMBER_ALONE
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     LENGTHS,
@@ -56,15 +56,14 @@ from gproof.ir.job import (
     walk,
 )
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import Expr, Input, Number, Text, Unary
+from gproof.ir.program import Input, Text, Unary
 from gproof.ir.target import Style, Target
 
 UNITS = {"mm": "G22", "inch": "G20", "cm": "G21"}
 CYCLES = {"drill": "G81", "dwell": "G82", "peck": "G83", "chip_break": "G73"}
-ZERO = ("local_here", "zero_at", "zero_shift", "zero_keep", "zero_recall")
+NEW_ZERO = ("mcuwin",)
+"""Languages whose jobs leave no zero: each one selects its own."""
 NAME = re.compile(r"[^A-Z0-9_]+")
-Rate = tuple[float, str, str]
-"""A feed: number, unit, what it is per."""
 
 
 class WinCncWriter(JobWriter):
@@ -80,10 +79,11 @@ class WinCncWriter(JobWriter):
         )
         self.files: dict[str, bytes] = {}
         self.in_file = ""
-        self.over = False
+        self.cleared = False
+        self.in_structure = False
         self.entries: dict[str, Rate | None] = {}
         self.exits: dict[tuple[str, Rate | None], Rate | None] = {}
-        _feed_after(self.job.body, None, self)
+        feed_after(self.job.body, None, self)
         self.handlers: dict[type, Callable[[Any], None]] = {
             MoveTo: self.move, ArcTo: self.arc, DrillHole: self.hole, SetFeed: self.set_feed, DwellFor: self.dwell,
             PauseJob: self.pause, TurnSpindle: self.spindle, SwitchCoolant: self.coolant, ChangeTool: self.tool,
@@ -98,14 +98,15 @@ class WinCncWriter(JobWriter):
         for name, routine in self.job.routines.items():
             self._file(self.names[name], routine, self.entries.get(name))
         self.out, self.state, self.in_file = [], dict(self.constant), ""
-        body, keeps = _own_zero(self.job.body)
+        body, keeps = own_zero(self.job.body)
+        body = kept_before(body)
         first = next((place for place, node in enumerate(body) if not isinstance(node, Remark)), len(body))
         self.body(body[:first])
         for line in self.header():
             self.line(line)
         self.body(body[first:])
         self._end_cycle()
-        if keeps:
+        if keeps and self.job.source not in NEW_ZERO:
             self.line("L92")
         for line in self.footer():
             self.line(line)
@@ -126,7 +127,8 @@ class WinCncWriter(JobWriter):
         """A subprogram [M98]; L92 leaves its zero to the caller, where the file does not give it back."""
         self.out, self.state, self.in_file = [], dict(self.constant), name
         self.state["feed"] = feed
-        body, keeps = _own_zero(routine.body)
+        body, keeps = own_zero(routine.body)
+        body = kept_before(body)
         if keeps or self._inner_zero(body):
             self.line("L92")
         if body and isinstance(body[-1], LeaveRoutine):
@@ -139,7 +141,7 @@ class WinCncWriter(JobWriter):
         """Whether files that a body runs leave a zero to it."""
         for node in walk(body):
             if isinstance(node, RunRoutine):
-                inner, keeps = _own_zero(self.job.routines[node.name].body)
+                inner, keeps = own_zero(self.job.routines[node.name].body)
                 if keeps or self._inner_zero(inner):
                     return True
         return False
@@ -384,7 +386,8 @@ class WinCncWriter(JobWriter):
         if not node.change or node.number is None:
             raise Unprintable("a tool that is selected before its change")
         tool = text_of(number(node.number), 0)
-        self.change(node, tool)
+        self.command(node.span, "M6", f"T{tool}")
+        self.state["motion"] = None
         self.flush()
         if not self.lengths():
             # A tool's measure counts from its number on.
@@ -395,15 +398,6 @@ class WinCncWriter(JobWriter):
         on = any(isinstance(node, UseLength) and node.on for node in self.all_nodes())
         usual = on or self.job.source == "wincnc"
         return bool(self.state.get("lengths", usual))
-
-    def change(self, node: ChangeTool, tool: str) -> None:
-        """G4 and L110, or M6 of CNC.MAC."""
-        if self.target.legal["tool_change"] == NUMBER_ALONE:
-            self.say("G4", self.comment(f"insert tool {tool}"))
-            self.command(node.span, "L110", f"T{tool}")
-            return
-        self.command(node.span, "M6", f"T{tool}")
-        self.state["motion"] = None
 
     def output(self, node: SwitchOutput) -> None:
         """M11, M12; M13, M14 without stopping."""
@@ -432,6 +426,14 @@ class WinCncWriter(JobWriter):
 
     def frame(self, node: SetFrame) -> None:
         """G92, G92.1, G92.2; G52, G50."""
+        if self.cleared and node.action == "zero_at" and self._is_machine_zero(node):
+            self.cleared = False  # as G92.3 has left it
+            return
+        self.cleared = node.action == "zero_keep"
+        if node.action in {"zero_keep", "zero_recall"} and not self.in_structure:
+            self.command(node.span, "G92.3")
+            self.state["cycle"] = None
+            return
         words = self.words(node.places)
         if node.action in {"local_here", "zero_at", "zero_shift"}:
             code = {"local_here": "G92", "zero_at": "G92.1", "zero_shift": "G92.2"}[node.action]
@@ -446,6 +448,11 @@ class WinCncWriter(JobWriter):
         else:
             raise Unprintable(f"a frame: {node.action}")
         self.state["cycle"] = None
+
+    def _is_machine_zero(self, node: SetFrame) -> bool:
+        """Whether a zero is that of the machine, on all its axes."""
+        named = {place.axis for place in node.places if number(place.at.value) == 0.0}
+        return named >= {AXIS_NAMES[column] for column, letter in enumerate(self.letters) if letter}
 
     # ---- structure
 
@@ -486,7 +493,9 @@ class WinCncWriter(JobWriter):
         asked = self._asked(node)
         entry = dict(self.state)
         out, self.out = self.out, []
+        inside, self.in_structure = self.in_structure, True
         self.indented(node.then)
+        self.in_structure = inside
         self._end_cycle()
         lines, self.out = self.out, out
         ends = self.style.newline.encode()
@@ -549,74 +558,6 @@ class WinCncWriter(JobWriter):
         self._end_cycle()
         self.line("L10")
         self.state = dict(self.constant)
-
-
-def number(value: Expr) -> float:
-    """The number of a literal; Unprintable for an expression."""
-    if isinstance(value, Number):
-        return value.value
-    raise Unprintable("an expression")
-
-
-def bits(places: Iterable[AxisPlace]) -> int:
-    """The columns of places as bits."""
-    return sum(1 << AXIS_NAMES.index(place.axis) for place in places)
-
-
-def rate_of(feed: Feed) -> Rate:
-    """A feed as numbers."""
-    return number(feed.amount.value), feed.amount.unit, feed.per
-
-
-def _own_zero(body: Nodes) -> tuple[Nodes, bool]:
-    """(a body without what the end of a file does by itself, whether it leaves a zero behind) [L92]."""
-    found = [node for node in walk(body) if isinstance(node, SetFrame) and node.action in ZERO]
-    if not found:
-        return body, False
-    first = body[0]
-    if not (isinstance(first, SetFrame) and first.action == "zero_keep" and first.number is not None):
-        return body, True
-    kept = number(first.number)
-
-    def is_back(node: Node) -> bool:
-        recall = isinstance(node, SetFrame) and node.action == "zero_recall" and node.number is not None
-        return recall and isinstance(node, SetFrame) and number(node.number or Number(-1.0, node.span)) == kept
-
-    last = max((place for place, node in enumerate(body) if not isinstance(node, Remark | EndJob)), default=0)
-    backs = [node for node in walk(body) if is_back(node)]
-    if len(backs) == 1 and is_back(body[last]):
-        return (*body[1:last], *body[last + 1 :]), False
-    return body, True
-
-
-def _feed_after(body: Nodes, feed: Rate | None, writer: WinCncWriter) -> Rate | None:
-    """The feed in force after operations; what routines start with is noted. None: not known."""
-    for node in body:
-        if isinstance(node, Moves):
-            given = np.flatnonzero(~np.isnan(node.rows["feed"]))
-            if len(given):
-                feed = float(node.rows["feed"][int(given[-1])]), node.unit, node.per
-        elif isinstance(node, RunRoutine):
-            known = writer.entries.get(node.name, feed)
-            writer.entries[node.name] = feed if known == feed else None
-            key = node.name, feed
-            if key not in writer.exits:
-                writer.exits[key] = None
-                writer.exits[key] = _feed_after(writer.job.routines[node.name].body, feed, writer)
-            feed = writer.exits[key]
-        elif isinstance(node, Choice):
-            ways = {_feed_after(part, feed, writer) for part in (node.then, node.otherwise)}
-            feed = ways.pop() if len(ways) == 1 else None
-        elif isinstance(node, RepeatGrid | LoopWhile | CountLoop):
-            after = _feed_after(node.body, feed, writer)
-            if after != feed:
-                _feed_after(node.body, None, writer)
-                feed = None
-        else:
-            own = getattr(node, "feed", None)
-            if isinstance(own, Feed):
-                feed = rate_of(own)
-    return feed
 
 
 def write(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:

@@ -45,8 +45,6 @@ TARGET = Target(
 USUAL_CLEARANCE = 1.27
 
 
-NUMBER_ALONE = "G Codes: G4; L Codes: L110"
-"""How a tool is changed where CNC.MAC has no M6: the operator does it, and the controller gets its number."""
 _SWITCH = re.compile(r"M(11|12|13|14)C(\d+)", re.IGNORECASE)
 BY_MACROS = {"spindle": ("M3", "M5"), "mist": ("M7", "M9"), "flood": ("M8", "M9")}
 
@@ -71,9 +69,7 @@ def adapted(target: Target, machine: Machine, macros: Mapping[str, str] | None) 
         for name, codes in BY_MACROS.items():
             if not macros.keys() >= set(codes) or not _ends(*(macros[code] for code in codes)):
                 legal.pop(name, None)
-        if "M6" not in macros and settings.changers:
-            legal["tool_change"] = NUMBER_ALONE
-        elif "M6" not in macros:
+        if "M6" not in macros:
             legal.pop("tool_change", None)
     return replace(target, legal=legal, peck_clearance=USUAL_CLEARANCE if same else None)
 

@@ -18,7 +18,7 @@ def only_offset(node: Node, feature: str, context: Context) -> list[Node] | None
     for one in context.nodes():
         if isinstance(one, SetFrame):
             other = one.action == "select" and not _is_first(one)
-            if other or one.action in {"store", "store_here", "zero_at"}:
+            if other or one.action in {"store", "store_here", "zero_at", "zero_shift"}:
                 return None
     context.assume("the job starts in the first work offset")
     return []
@@ -103,18 +103,21 @@ def stored_as_zero(node: Node, feature: str, context: Context) -> list[Node] | N
         known = context.offsets.setdefault(round(number), {})
         known |= {axis: value for axis, value in places.items() if value is not None}
         if number == context.selected:
-            return [SetFrame(action="zero_at", places=node.places, span=node.span)]
+            return _placed(SetFrame(action="zero_at", places=node.places, span=node.span), context)
         context.assume("work offsets that the job stores are for this job alone")
         return []
+    if node.action == "store_here" and number == context.selected:
+        context.offsets.pop(round(number), None)
+        return [SetFrame(action="local_here", places=node.places, span=node.span)]
     if node.action != "select" or node.axes:
         return None
     if number == context.selected:
-        return []
+        return _again(node, context)
     at = context.offsets.get(round(number), {})
     if any(axis not in at for axis in context.axes):
         return None
     context.selected = round(number)
-    return [SetFrame(action="zero_at", places=_at(at, node, context), span=node.span)]
+    return _placed(SetFrame(action="zero_at", places=_at(at, node, context), span=node.span), context)
 
 
 def _at(places: dict[str, float], node: SetFrame, context: Context) -> tuple[AxisPlace, ...]:
@@ -125,6 +128,34 @@ def _at(places: dict[str, float], node: SetFrame, context: Context) -> tuple[Axi
         for axis in AXIS_NAMES
         if axis in places
     )
+
+
+def _placed(node: SetFrame, context: Context) -> list[Node]:
+    """A zero that is the work offset in force from now on."""
+    context.placed = node
+    return [node]
+
+
+AT_THE_END = -1.0
+"""The number under which the zero of the start is brought back: only the end of the job can do it."""
+
+
+def _again(node: SetFrame, context: Context) -> list[Node] | None:
+    """The work offset that is in force, without what the job has shifted it by."""
+    if context.selected not in context.offsets:
+        context.assume("the job starts in the first work offset")
+    if context.shift == {}:
+        return []
+    if context.shift is None:
+        if context.selected in context.offsets or "frame_zero_recall" not in context.target.legal:
+            return None
+        return [SetFrame(action="zero_recall", number=Number(AT_THE_END, node.span), span=node.span)]
+    places = tuple(
+        AxisPlace(axis, Quantity(Number(-by / MM.get(_unit(axis, context), 1.0), node.span), _unit(axis, context)))
+        for axis, by in context.shift.items()
+        if by
+    )
+    return _placed(SetFrame(action="zero_shift", places=places, span=node.span), context)
 
 
 PATTERNS = (

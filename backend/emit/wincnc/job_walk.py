@@ -1,0 +1,131 @@
+"""Jobs as a printer of WinCNC walks them: the feed that a file starts with, zeros that the end of a file brings back.
+
+Manual: M Codes: M98; L Codes: L92; G Codes: G92.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Protocol
+
+import numpy as np
+
+from gproof.backend.emit.printer import Unprintable
+from gproof.ir.job import (
+    AxisPlace,
+    Choice,
+    CountLoop,
+    EndJob,
+    Feed,
+    Job,
+    LoopWhile,
+    Moves,
+    Node,
+    Nodes,
+    Remark,
+    RepeatGrid,
+    RunRoutine,
+    SetFrame,
+    walk,
+)
+from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.program import Expr, Number
+
+ZERO = ("local_here", "zero_at", "zero_shift", "zero_keep", "zero_recall")
+Rate = tuple[float, str, str]
+"""A feed: number, unit, what it is per."""
+
+
+class Walked(Protocol):
+    """entries: the feed that each routine starts with; exits: the one after it, by both."""
+
+    job: Job
+    entries: dict[str, Rate | None]
+    exits: dict[tuple[str, Rate | None], Rate | None]
+
+
+def number(value: Expr) -> float:
+    """The number of a literal; Unprintable for an expression."""
+    if isinstance(value, Number):
+        return value.value
+    raise Unprintable("an expression")
+
+
+def bits(places: Iterable[AxisPlace]) -> int:
+    """The columns of places as bits."""
+    return sum(1 << AXIS_NAMES.index(place.axis) for place in places)
+
+
+def rate_of(feed: Feed) -> Rate:
+    """A feed as numbers."""
+    return number(feed.amount.value), feed.amount.unit, feed.per
+
+
+def own_zero(body: Nodes) -> tuple[Nodes, bool]:
+    """(a body without what the end of a file does by itself, whether it leaves a zero behind) [L92]."""
+    found = [node for node in walk(body) if isinstance(node, SetFrame) and node.action in ZERO]
+    if not found:
+        return body, False
+    last = max((place for place, node in enumerate(body) if not isinstance(node, Remark | EndJob)), default=0)
+    end = body[last]
+    if isinstance(end, SetFrame) and end.action == "zero_recall" and end.number is not None and number(end.number) < 0:
+        return (*body[:last], *body[last + 1 :]), False
+    first = body[0]
+    if not (isinstance(first, SetFrame) and first.action == "zero_keep" and first.number is not None):
+        return body, True
+    kept = number(first.number)
+
+    def is_back(node: Node) -> bool:
+        recall = isinstance(node, SetFrame) and node.action == "zero_recall" and node.number is not None
+        return recall and isinstance(node, SetFrame) and number(node.number or Number(-1.0, node.span)) == kept
+
+    backs = [node for node in walk(body) if is_back(node)]
+    if len(backs) == 1 and is_back(body[last]):
+        return (*body[1:last], *body[last + 1 :]), False
+    return body, True
+
+
+def kept_before(body: Nodes) -> Nodes:
+    """A body in which G92.3 puts the zero away before the job moves it, where it is brought back later (number -1)."""
+    found: list[Node] = []
+    moved: int | None = None
+    for node in body:
+        if isinstance(node, SetFrame) and node.action in ZERO:
+            back = node.action == "zero_recall" and node.number is not None and number(node.number) < 0
+            if back and moved is not None:
+                found.insert(moved, SetFrame(action="zero_keep", number=node.number, span=found[moved].span))
+            if moved is None and not back:
+                moved = len(found)
+            moved = None if back else moved
+        found.append(node)
+    return tuple(found)
+
+
+def feed_after(body: Nodes, feed: Rate | None, writer: Walked) -> Rate | None:
+    """The feed in force after operations; what routines start with is noted. None: not known."""
+    for node in body:
+        if isinstance(node, Moves):
+            given = np.flatnonzero(~np.isnan(node.rows["feed"]))
+            if len(given):
+                feed = float(node.rows["feed"][int(given[-1])]), node.unit, node.per
+        elif isinstance(node, RunRoutine):
+            known = writer.entries.get(node.name, feed)
+            writer.entries[node.name] = feed if known == feed else None
+            key = node.name, feed
+            if key not in writer.exits:
+                writer.exits[key] = None
+                writer.exits[key] = feed_after(writer.job.routines[node.name].body, feed, writer)
+            feed = writer.exits[key]
+        elif isinstance(node, Choice):
+            ways = {feed_after(part, feed, writer) for part in (node.then, node.otherwise)}
+            feed = ways.pop() if len(ways) == 1 else None
+        elif isinstance(node, RepeatGrid | LoopWhile | CountLoop):
+            after = feed_after(node.body, feed, writer)
+            if after != feed:
+                feed_after(node.body, None, writer)
+                feed = None
+        else:
+            own = getattr(node, "feed", None)
+            if isinstance(own, Feed):
+                feed = rate_of(own)
+    return feed
