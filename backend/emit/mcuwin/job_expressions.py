@@ -35,7 +35,7 @@ class Variables:
     def __init__(self, nodes: Iterable[Node], source: str) -> None:
         self.own = source == "mcuwin"
         found = list(nodes)
-        self.whole = _whole_variables(found)
+        self.whole = _whole_variables(found, self.own)
         self.names: dict[int, str] = {}
         self.declared: dict[str, bool] = {}
         for node in found:
@@ -78,14 +78,16 @@ def number_of(variable: Variable) -> int:
     return round(variable.number.value)
 
 
-def _whole_variables(nodes: list[Node]) -> set[int]:
-    """Those that counted loops count with or to, and that nothing else than whole numbers is set to."""
+def _whole_variables(nodes: list[Node], own: bool) -> set[int]:
+    """Those that counted loops count with or to, or that are set into CI, and that nothing else than whole numbers is
+    set to. own: a program of this controller."""
     settings = [node for node in nodes if isinstance(node, SetVariable)]
     found: set[int] = set()
     rest = [one for node in nodes if isinstance(node, CountLoop) for one in (node.variable, node.first, node.last)]
     for node in nodes:
         inside = (part for expr in expressions(node) for part in parts_of_expression(expr))
         rest += [one for one in inside if isinstance(one, Binary) and one.operator in ONLY_WHOLE]
+    rest += [node.value for node in settings if COMMON_INTEGER <= number_of(node.target) < DECLARED] if own else []
     while rest:
         for part in parts_of_expression(rest.pop()):
             if isinstance(part, Variable) and number_of(part) not in found:
@@ -133,9 +135,9 @@ class PascalWriter:
         return f"({self.value(expr)})"
 
     def whole(self, expr: Expr) -> str:
-        """A bound of a counted loop (8.3)."""
+        """A bound of a counted loop (8.3), or what an integer is set to."""
         if not _is_whole(expr, self.variables.whole):
-            raise Unprintable("a counted loop with a bound that may be no whole number")
+            raise Unprintable("a number that may be no whole one, where an integer is needed (8.3, 11)")
         return self.value(expr)
 
     def condition(self, expr: Expr, *, negated: bool = False) -> str:
