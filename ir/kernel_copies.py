@@ -91,8 +91,21 @@ def dispatcher(kernel: Declared[Any, Any], done: dict[Declared[Any, Any], Any]) 
     made: Any = numba.njit(error_model="numpy", nogil=True, **options)(copy)
     made._cache = FileCache(folder_of(kernel))
     made._compile_for_args = uninterrupted()(made._compile_for_args)
+    made.get_call_template = _without_literals(made.get_call_template)
     done[kernel] = made
     return made
+
+
+def _without_literals(find: Callable[..., Any]) -> Callable[..., Any]:
+    """One copy for calls with constants and without: numba would make one for each constant."""
+    import numba
+
+    plain: Callable[[Any], Any] = numba.types.unliteral
+
+    def found(args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+        return find(tuple(map(plain, args)), {name: plain(kind) for name, kind in kws.items()})
+
+    return found
 
 
 def _behind(value: object) -> tuple[Any, str] | None:
