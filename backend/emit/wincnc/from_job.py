@@ -106,7 +106,7 @@ class WinCncWriter(JobWriter):
             self.line(line)
         self.body(body[first:])
         self._end_cycle()
-        if keeps and self.job.source not in NEW_ZERO:
+        if (keeps or self._inner_zero(body)) and self.job.source not in NEW_ZERO:
             self.line("L92")
         for line in self.footer():
             self.line(line)
@@ -187,7 +187,7 @@ class WinCncWriter(JobWriter):
         """G80: the next line is no hole."""
         if self.state.get("cycle") is not None:
             self.line("G80")
-            self.state["cycle"] = None
+            self.state["cycle"] = self.state["motion"] = None
 
     # ---- values and modes
 
