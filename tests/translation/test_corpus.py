@@ -107,7 +107,16 @@ def test_what_is_proven_agrees_at_three_known_zeros(dialect: str, job: Path, tmp
                 plain = own_devices(one, [])
                 bare = replace(on, settings=replace(on.settings, zero_offsets=None))
                 known.append(
-                    figures(execute(plain, setup, bare, Findings(), **session.options(Running()), block_delete=False))
+                    figures(
+                        execute(
+                            plain,
+                            setup,
+                            bare,
+                            Findings(),
+                            **session.options(Running()),
+                            block_delete=bool(session.setup.block_delete),
+                        )
+                    )
                 )
             (end, length), (other_end, other_length) = known
             assert np.allclose(end, other_end, atol=1e-3), (to, seed, end, other_end)
