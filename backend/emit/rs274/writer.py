@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -286,8 +287,11 @@ class Rs274Writer(JobWriter):
             self.flush()
             self.put(COOLANT, ["M8"], node.span)
 
-    both_coolants = True
-    """Mist and flood are both there, and M9 ends both."""
+    @cached_property
+    def both_coolants(self) -> bool:
+        """The job has mist and flood on: M9 would end both."""
+        switched = [node for node in self.all_nodes() if isinstance(node, SwitchCoolant)]
+        return any(node.mist for node in switched) and any(node.flood for node in switched)
 
     def tool(self, node: ChangeTool) -> None:
         """T, M6."""
