@@ -44,7 +44,7 @@ def _all(job: Job) -> list[Node]:
 def toml_of(found: TranslationMap, source: str, target: str) -> str:
     """A map as a file, to be completed by hand."""
     lines = [
-        'format = "gproof-translation/1"',
+        'schema = "gproof-translation/1"',
         "",
         f"# {source} -> {target}: the number of the source = the number of the target.",
         "# Each is proposed as itself: compare with the wiring of both machines.",

@@ -20,6 +20,7 @@ _OTHER_FILES = {
     "gproof-setup/1": "a setup file (--setup)",
     "gproof-policy/1": "a policy (--policy)",
     "gproof-job/1": "a job file",
+    "gproof-translation/1": "the map of a translation (--map)",
 }
 
 
@@ -134,6 +135,15 @@ KEYS: dict[str, Keys] = {
     ),
     "gproof-policy/1": _keys("schema properties fail_on warnings_are_errors strict", severity=_keys(named=_PLAIN)),
     "gproof-job/1": _keys(f"schema {_JOB}", jobs=_keys(_JOB)),
+    "gproof-translation/1": _keys(
+        "schema tool_change",
+        outputs=_keys(named=_PLAIN),
+        inputs=_keys(named=_PLAIN),
+        tools=_keys(named=_PLAIN),
+        offsets=_keys(named=_PLAIN),
+        coolant=_keys("mist flood"),
+        style=_keys("decimals_mm decimals_inch decimals_deg decimals numbers indent extension newline header footer"),
+    ),
     "gproof-baseline/1": _keys("schema", files=_keys(named=_keys("fingerprint code message"))),
 }
 """By schema the keys of the whole file."""

@@ -24,7 +24,7 @@ from gproof.ir.number_ranges import number_problem
 
 T = TypeVar("T")
 
-OPTIONS = {"gproof-machine/1": "--machine", "gproof-setup/1": "--setup"}
+OPTIONS = {"gproof-machine/1": "--machine", "gproof-setup/1": "--setup", "gproof-translation/1": "--map"}
 """The option that takes the files of a schema."""
 
 _ROLES = {"gproof-machine/1": "machine", "gproof-setup/1": "setup"}

@@ -1,0 +1,82 @@
+"""The table of ``docs/translation.md`` as the code gives it: what becomes of each construct on each target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from support.goldens import ROOT
+
+from gproof.driver.targets import TARGETS
+from gproof.ir.target import FEATURES, Target
+from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.registry import PATTERNS
+
+PAGE = ROOT / "docs" / "translation.md"
+BEGIN, END = "<!-- made by make goldens: begin -->", "<!-- made by make goldens: end -->"
+LEFT_OUT = {"not_raised", "operator"}
+"""What is no construct of a program."""
+JUMPS = "loops and choices"
+"""What jumps become before any pattern (passes/legalize/structured.py)."""
+
+
+def has(*features: str) -> Callable[[Target], bool]:
+    """A target with these features."""
+    return lambda target: all(feature in target.legal for feature in features)
+
+
+NEEDS: dict[str, Callable[[Target], bool]] = {
+    "arguments -> variables": has("variable"),
+    "input in a condition -> read before": has("input_read"),
+    "counted loop -> loop with a condition": has("variable"),
+    "zero at a machine place -> spare work offset": lambda target: target.spare_offset > 0,
+    "unit -> another unit": has("unit_mm"),
+    "path mode -> a setting of the controller": lambda target: not target.path_modes,
+    "filter of a path mode -> every place": has("path_continuous"),
+    "continuous path -> exact path": has("path_exact_path"),
+    "work offset with a local offset -> with a shift": has("frame_zero_shift"),
+    "stored work offset -> zero at its place": has("frame_zero_at"),
+    "local offset -> shift of the zero": has("frame_zero_shift"),
+    "tool change -> stop": lambda target: "tool_change" not in target.legal,
+    "change that stops the spindle -> spindle off, change": lambda target: (
+        "tool_change_running" in target.legal or "tool_change" not in target.legal
+    ),
+    "change with the spindle running -> change, spindle on": has("tool_change_rests"),
+    "machine coordinates -> zero there and back": has("frame_zero_keep", "frame_zero_at", "frame_zero_recall"),
+}
+"""What a pattern needs of a target; the others fit every target."""
+
+
+def fits(pattern: Pattern, feature: str, target: Target) -> bool:
+    """Whether a pattern may remove a feature for a target."""
+    return feature in pattern.removes and NEEDS.get(pattern.name, has())(target)
+
+
+def cell(feature: str, target: Target) -> str:
+    """Of one construct on one target."""
+    if feature in target.legal:
+        return f"kept: {target.legal[feature]}".replace("|", "\\|")
+    if feature == "jump":
+        return f"→ {JUMPS}"
+    numbers = [str(n) for n, pattern in enumerate(PATTERNS, 1) if fits(pattern, feature, target)]
+    return f"→ {', '.join(numbers)}" if numbers else "refused"
+
+
+def table() -> str:
+    """The table and the list of patterns."""
+    targets = [entry.target() for entry in TARGETS.values()]
+    lines = [
+        f"| construct | {' | '.join(target.title for target in targets)} |",
+        f"|---|{'---|' * len(targets)}",
+    ]
+    for feature, title in FEATURES.items():
+        if feature not in LEFT_OUT:
+            lines.append(f"| {title} | {' | '.join(cell(feature, target) for target in targets)} |")
+    lines += ["", *(f"{n}. {pattern.name.replace('->', '→')}" for n, pattern in enumerate(PATTERNS, 1))]
+    return "\n".join(lines)
+
+
+def page() -> str:
+    """The page with the table anew."""
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+    after = rest.partition(END)[2]
+    return f"{before}{BEGIN}\n\n{table()}\n\n{END}{after}"
