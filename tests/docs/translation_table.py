@@ -46,6 +46,22 @@ NEEDS: dict[str, Callable[[Target], bool]] = {
 """What a pattern needs of a target; the others fit every target."""
 
 
+def _clearance(target: Target) -> str:
+    known = target.peck_clearance is not None and "cycle_peck" in target.legal
+    return f"{target.legal['cycle_peck']}, where it is {target.peck_clearance:g} mm" if known else ""
+
+
+OTHERWISE: dict[str, Callable[[Target], str]] = {
+    "choice_else": lambda target: target.legal.get("choice", "") if target.two_ways else "",
+    "cycle_return": lambda target: target.legal.get("cycle_drill", "") if target.cycle_returns else "",
+    "cycle_clearance": _clearance,
+    "frame_select_local": lambda target: (
+        target.legal.get("frame_select", "") if "frame_local_here" in target.legal else ""
+    ),
+}
+"""Constructs that a field of a target decides, no row of its table: the section, "" where it does not have them."""
+
+
 def fits(pattern: Pattern, feature: str, target: Target) -> bool:
     """Whether a pattern may remove a feature for a target."""
     return feature in pattern.removes and NEEDS.get(pattern.name, has())(target)
@@ -53,6 +69,10 @@ def fits(pattern: Pattern, feature: str, target: Target) -> bool:
 
 def cell(feature: str, target: Target) -> str:
     """Of one construct on one target."""
+    if feature in OTHERWISE:
+        source = OTHERWISE[feature](target)
+        if source:
+            return f"kept: {source}"
     if feature in target.legal:
         return f"kept: {target.legal[feature]}".replace("|", "\\|")
     if feature == "jump":
