@@ -41,6 +41,7 @@ NEEDS: dict[str, Callable[[Target], bool]] = {
         "tool_change_running" in target.legal or "tool_change" not in target.legal
     ),
     "change with the spindle running -> change, spindle on": has("tool_change_rests"),
+    "zero in one of several places -> its work offset": has("frame_zero_at"),
     "machine coordinates -> zero there and back": has("frame_zero_keep", "frame_zero_at", "frame_zero_recall"),
 }
 """What a pattern needs of a target; the others fit every target."""

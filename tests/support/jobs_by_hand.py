@@ -99,7 +99,8 @@ def words(node: Node) -> str:
     """An operation in few words."""
     if isinstance(node, MoveTo):
         kind = {"rapid": "rapid", "feed": "cut", "probe": "probe"}[node.kind]
-        return f"{kind} {'machine ' * (node.frame == 'machine')}{places(node.to)}"
+        feed = "" if node.feed is None else f" f{text(node.feed.amount.value)}"
+        return f"{kind} {'machine ' * (node.frame == 'machine')}{places(node.to)}{feed}"
     if isinstance(node, ArcTo):
         how = f"radius {text(node.radius.value)}" if node.radius else f"about {places(node.center)}"
         return f"{'cw' if node.clockwise else 'ccw'} {places(node.to)} {how}".replace("  ", " ")

@@ -21,6 +21,7 @@ from gproof.ir.job import (
     CountLoop,
     DrillHole,
     EndJob,
+    Feed,
     Job,
     LoopWhile,
     Node,
@@ -226,7 +227,15 @@ CASES = {
         without("grbl", "end_reset"), job(replace(ENDS, reset=True)), "EndJob", other=job(ENDS)
     ),
     "machine coordinates -> zero there and back": Case(
-        "mcuwin", job(rapid(z=0, frame="machine")), "zero_keep; zero_at z0; rapid z0; zero_recall", other_target="eding"
+        "mcuwin", job(rapid(z=0, frame="machine")), "zero_at z0; rapid z0; select 1", other_target="eding"
+    ),
+    "inverse time -> a feed a move": Case(
+        "mcuwin", job(cut(x=0), replace(cut(x=10), feed=Feed(mm(2, "1/min"), per="move"))), "cut x0; cut x10 f20",
+        other_target="eding",
+    ),
+    "zero in one of several places -> its work offset": Case(
+        "mcuwin", job(frame("zero_keep", 1), frame("zero_at", x=5), cut(x=0), frame("zero_recall", 1), cut(x=1)),
+        "zero_at x5; cut x0; select 1; cut x1", other_target="wincnc",
     ),
     "end of a compensation that never starts -> nothing": Case(
         "grbl", job(Compensate(side="off", span=PLACE), cut(x=1)), "cut x1",
