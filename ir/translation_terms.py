@@ -47,6 +47,7 @@ class TranslationTerms:
     coolant: (source word, target word) of ``mist`` and ``flood``, where the map has one of them for the other.
     scratch: offsets of the target that the translation itself uses (``work.9.x``): what they hold is not compared.
     machine_zero_shared: machine coordinates of both machines count from the same place.
+    tool_by_stop: a stop of the target that names a tool, by its number after it or in its text, is the tool change.
     tool_change_waits: a wait for the operator at a tool change is compared; else a machine that changes the tool by
     itself does the same as one that waits for somebody who does.
     """
@@ -71,6 +72,7 @@ class TranslationTerms:
     left_out: frozenset[str] = field(default_factory=frozenset)
     silent: frozenset[str] = field(default_factory=frozenset)
     tool_change_waits: bool = True
+    tool_by_stop: bool = False
     machine_zero_shared: bool = True
     axes: frozenset[str] = frozenset("xyzabc")
     coolant: tuple[tuple[str, str], ...] = ()

@@ -43,19 +43,22 @@ class Event(NamedTuple):
 
 
 class Devices(NamedTuple):
-    """What is switched on; None: as it was at the start. outputs: (channel, value) that are known, by channel."""
+    """What is switched on; None: as it was at the start. outputs: (channel, value) that are known, by channel; changed:
+    the tool that a stop before has named (``TranslationTerms.tool_by_stop``)."""
 
     spindle: tuple[float, float] | None = None
     coolant: tuple[float, ...] | None = None
     speed: float = math.nan
     outputs: tuple[tuple[int, float], ...] = ()
+    changed: float | None = None
 
     def after_operator(self, keep: frozenset[int]) -> Devices:
         """After a wait for the operator, who may have switched anything: no command repeats a state any more.
 
         keep: channels by which a spindle's direction is known.
         """
-        return Devices(speed=self.speed, outputs=tuple(pair for pair in self.outputs if pair[0] in keep))
+        kept = tuple(pair for pair in self.outputs if pair[0] in keep)
+        return Devices(speed=self.speed, outputs=kept, changed=self.changed)
 
 
 class EventReader:
@@ -63,7 +66,7 @@ class EventReader:
 
     def __init__(self, side: Side, devices: Devices) -> None:
         self.side = side
-        self.spindle, self.coolant, self.speed, outputs = devices
+        self.spindle, self.coolant, self.speed, outputs, self.changed = devices
         self.outputs = dict(outputs)
         self.found: list[Event] = []
         self.rests: set[int] = set()
@@ -117,7 +120,10 @@ class EventReader:
             self._set(self.side.trace.texts[text], first, second, at, place)
         elif op == Op.TOOL_CHANGE:
             number = first if math.isnan(first) else float(self.side.tools.get(int(first), int(first)))
-            if not (self.found and self.found[-1][:3] == ("tool", (number,), at)):
+            if number == self.changed and at == 0 and not self.found:
+                # The number of the tool that the operator has put in at the stop before.
+                self.changed = None
+            elif not (self.found and self.found[-1][:3] == ("tool", (number,), at)):
                 self._add("tool", (number,), at, place)
         elif op == Op.INPUT_WAIT:
             if not math.isnan(second):

@@ -109,6 +109,8 @@ def say_assumptions(sides: tuple[Side, Side], result: Comparison) -> None:
         result.assume("where a program sets no path mode, corners are as each controller takes them by itself")
     if any(state.compensation for side in sides for state in side.trace.states):
         result.assume("the radius of each tool is the one in the machine files")
+    if terms.tool_by_stop:
+        result.assume("at a stop that names a tool the operator puts in that tool")
     if any(side.polls for side in sides):
         result.assume("an input that a program reads again and again is noticed in time")
     for name in sorted(terms.left_out):

@@ -187,6 +187,8 @@ class Side:
         }
         if self.terms.source_outputs == self.terms.target_outputs:
             found["spindle"] = _number(state.spindle)
+        if self.terms.tool_by_stop:
+            del found["tool"]  # the number may be in a text alone; the changes are compared as events
         return {name: value for name, value in found.items() if name not in self.terms.left_out}
 
     def _limits(self, state: State) -> tuple[Any, ...]:

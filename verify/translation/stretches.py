@@ -7,6 +7,9 @@ where outcomes come together, and the machine goes on.
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -20,6 +23,7 @@ from gproof.verify.translation.sides import Side
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+_TOOL = re.compile(r"\btool (\d+)\b", re.IGNORECASE)
 NO_LENGTH = 1e-12
 """mm or degrees: what two roundings of one number differ by is no move."""
 
@@ -57,11 +61,15 @@ class Stretch:
 
     @property
     def question(self) -> str:
-        """The last text that the operator reads before the wait, in letters and digits; "" for none."""
+        """The last text that the operator reads before the wait, in letters and digits."""
+        return "".join(filter(str.isalnum, self.said.casefold()))
+
+    @property
+    def said(self) -> str:
+        """The last text that the operator reads before the wait; "" for none."""
         rows = self.side.trace.sections[self.sections[-1]].rows
         texts = rows["text"][rows["op"] == Op.MESSAGE]
-        said = self.side.trace.texts[int(texts[-1])] if len(texts) else ""
-        return "".join(filter(str.isalnum, said.casefold()))
+        return self.side.trace.texts[int(texts[-1])] if len(texts) else ""
 
     @property
     def last_place(self) -> Place | None:
@@ -86,6 +94,8 @@ def stretch_from(side: Side, number: int, devices: Devices, ends_of: set[int]) -
     A loop that does nothing until an input has a state is the wait for that input (``_poll``).
     """
     found = _stretch(side, number, devices, ends_of)
+    if side.which == 1 and side.terms.tool_by_stop:
+        _as_tool_change(side, found)
     awaited = _poll(side, found)
     if awaited is None:
         return found
@@ -95,6 +105,27 @@ def stretch_from(side: Side, number: int, devices: Devices, ends_of: set[int]) -
     found.events.append(Event("input", (float(side.inputs.get(channel, channel)), value), len(found.moves.op), place))
     found.edges = (Edge(wait=Wait.INPUT, outcome="come", target=edge.target, line=edge.line, file=edge.file),)
     return found
+
+
+def _as_tool_change(side: Side, found: Stretch) -> None:
+    """A stop that names a tool is a change to it: by the number that comes first after it, or by its text."""
+    stop = found.events[-1] if found.events else None
+    if stop is None or stop.kind != "stop" or stop.values != (0.0,) or stop.at != len(found.moves.op):
+        return
+    if len(found.edges) != 1 or found.edges[0].wait is not Wait.OPERATOR or found.edges[0].target < 0:
+        return
+    after = _stretch(side, found.edges[0].target, Devices(), set())
+    named = _TOOL.findall(found.said)
+    if after.events and after.events[0].kind == "tool" and after.events[0].at == 0:
+        value = after.events[0].values[0]
+    elif len(named) == 1:
+        value = float(named[0])
+    else:
+        return
+    assert isinstance(value, float)
+    found.events[-1] = stop._replace(kind="tool", values=(value,))
+    found.devices = found.devices._replace(changed=value)
+    found.edges = (replace(found.edges[0], wait=Wait.TOOL_CHANGE, outcome="tool changed"),)
 
 
 def _poll(side: Side, found: Stretch) -> tuple[Edge, int, float] | None:

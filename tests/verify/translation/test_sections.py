@@ -172,3 +172,24 @@ def test_the_controller_changes_the_tool_or_somebody(shop: Shop) -> None:
     loose = dataclasses.replace(STRAIGHT, tool_change_waits=False)
     assert shop.compared(job, job, loose).verdict is SAFE
     assert shop.compared(job, job.replace("T2", "T3"), loose).verdict is UNSAFE
+
+
+def test_a_stop_that_names_a_tool(shop: Shop) -> None:
+    """WinCNC without an automatic changer: G4 waits, L110 sets the number (L Codes, L110)."""
+    zero = tuple(
+        SymbolMeaning(symbol=f"g92.{axis}", form=((f"g92.{axis}", 1), (f"work.0.{axis}", 1))) for axis in "xyza"
+    )
+    job = "G21 G90\nG0 Z5\nM6 T2\nG0 X10\nM6 T3\nG0 X20\nM30\n"
+    stop = "G90\nG0 Z5\nG4 [insert tool 2]\nL110 T2\nG0 X10\nG4 [insert tool 3]\nL110 T3\nG0 X20\n"
+    terms = dataclasses.replace(
+        STRAIGHT, source="Eding", target="WinCNC", target_symbols=zero, tool_by_stop=True,
+        left_out=frozenset({"length", "zero"}),
+    )  # fmt: skip
+    for target in (stop, stop.replace("L110 T2\n", "").replace("L110 T3\n", "")):
+        answer = shop.compared(job, (target, "wincnc"), terms)
+        assert answer.verdict is SAFE, answer
+        for old, new in (("T2\n", "T3\n"), ("G4 [insert tool 2]\n", ""), ("[insert tool 3]\nG0", "\nG0")):
+            if old in target:
+                wrong = shop.compared(job, (target.replace(old, new), "wincnc"), terms)
+                assert wrong.verdict is not SAFE, (old, wrong)
+    assert shop.compared(job, (stop, "wincnc"), dataclasses.replace(terms, tool_by_stop=False)).verdict is not SAFE
