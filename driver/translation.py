@@ -329,6 +329,7 @@ def terms_of(
         ),
         coolant=tuple(sorted(given.coolant.items())),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
+        tool_by_stop=given.tool_change == "stop",
     )  # fmt: skip
 
 
