@@ -29,7 +29,7 @@ from gproof.ir.translation_map import NO_MAP, TranslationMap
 from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 from gproof.ir.verdict import Verdict
 from gproof.passes.legalize.by_map import by_map
-from gproof.passes.legalize.context import Lowered, Options, axes_of
+from gproof.passes.legalize.context import Lowered, Options
 from gproof.passes.legalize.legalize import Legal, before_refusal, legalize
 from gproof.verify.translation.compare import compare
 from gproof.verify.translation.comparison import Comparison, Divergence
@@ -309,7 +309,7 @@ def terms_of(
     given = done.map
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
     spare = done.target.spare_offset if done.spare_used else 0
-    axes = frozenset(axes_of(raised(done.session)))
+    axes = frozenset(name for name in AXIS_NAMES if source.axis(name) and target.axis(name))
     return TranslationTerms(
         axes=axes,
         scratch=frozenset(f"work.{spare}.{axis}" for axis in AXIS_NAMES if spare),

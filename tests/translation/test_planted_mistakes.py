@@ -86,3 +86,15 @@ def test_a_mistake_is_refused_or_harmless(
                 wanted_rows = [placed(r, setup) for r in case.rows(case.source) if fits(r, setup) and r["op"] != "left"]
                 assert simple(rows, setup) == simple(wanted_rows, setup), (name, case.name, to)
     assert refused
+
+
+def test_a_lost_zero_of_an_axis_that_rests_is_refused(
+    jobs: dict[str, tuple[Case, Path, Path, object]], shop: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No move shows it, only the next job: which axes are compared at the end must not come from the neutral job."""
+    _, program, machine, job = jobs["zeros/zero-of-an-axis-that-rests"]
+    wrong = planted(job, MISTAKES["frame-lost"])
+    monkeypatch.setattr(translation, "raised", lambda session: wrong)
+    machine_to = shop / "wincnc" / MACHINE["wincnc"]
+    wanted = translation.Wanted(job=program, to="wincnc", machine=machine, machine_to=machine_to, dialect="eding")
+    assert translation.translate(wanted).verdict is Verdict.UNSAFE
