@@ -65,6 +65,7 @@ FEATURES: dict[str, str] = {
     "frame_scale_axis": "scaling of one axis, or of Z",
     "frame_scale": "scaling of coordinates",
     "frame_mirror": "mirrored coordinates",
+    "frame_beyond": "work offset whose number the target does not have",
     "frame_select_axes": "work offset selected for some axes",
     "frame_store_here": "work offset set at the present place",
     "frame_store": "work offset stored",

@@ -160,6 +160,10 @@ class _Legalizer:
     def missing(self, node: Node) -> list[str]:
         """Features that the target does not have, the highest first."""
         found = {feature for feature in features(node) if feature not in self.target.legal}
+        if isinstance(node, SetFrame) and node.number is not None and node.action in {"select", "store", "store_here"}:
+            number = self.context.value(node.number)
+            if number is not None and number > self.target.offsets:
+                found.add("frame_beyond")
         if self.target.operators and self._has_operator(node):
             found.add("operator")
         if isinstance(node, RunRoutine) and "variable" not in self.target.legal and self._is_computed(node):

@@ -164,7 +164,8 @@ PATTERNS = (
         apply=select_with_local, unrolls=True,
     ),
     Pattern(
-        name="stored work offset -> zero at its place", removes=("frame_store", "frame_select"), apply=stored_as_zero
+        name="stored work offset -> zero at its place", removes=("frame_beyond", "frame_store", "frame_select"),
+        apply=stored_as_zero,
     ),
     Pattern(name="work offset -> the only one", removes=("frame_select",), apply=only_offset),
     Pattern(
