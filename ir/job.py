@@ -337,11 +337,14 @@ class SwitchGuard:
 
 @record(frozen=True, slots=True, kw_only=True)
 class EndJob:
-    """The job is over. reset: it goes back to its beginning too; rests: spindle and coolant are switched off."""
+    """The job is over. reset: it goes back to its beginning too; rests: spindle and coolant are switched off; plane,
+    unit: in which the source leaves its controller, "": as it usually is."""
 
     span: Span
     reset: bool = False
     rests: bool = False
+    plane: str = ""
+    unit: str = ""
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -71,8 +71,11 @@ def task(state: McuWinState, part: Part, span: Span) -> list[Node]:
 
 
 def _end(state: McuWinState, rule: CodeRule, span: Span) -> list[Node]:
+    modes = state.now
     state.modes = None
-    return [EndJob(reset=rule.function is F.END_RESET, span=span)]
+    plane = modes.plane if modes.plane in ("xz", "yz") else ""
+    unit = modes.unit if modes.unit == "inch" else ""
+    return [EndJob(reset=rule.function is F.END_RESET, plane=plane, unit=unit, span=span)]
 
 
 def end(state: McuWinState, part: Part, span: Span) -> list[Node]:

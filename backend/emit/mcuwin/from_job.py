@@ -529,8 +529,10 @@ class McuWinWriter(JobWriter):
         self.moved = False
 
     def end(self, node: EndJob) -> None:
-        """M30, M02 (4.3, 4.13); the plane is left as after the start of the system (3.6)."""
-        self._plane("xy")
+        """M30, M02 (4.3, 4.13); plane and unit stay as the source leaves them, or as they usually are (3.6, 3.22)."""
+        self._plane(node.plane or "xy")
+        if node.unit == "inch":
+            self.line("G70")
         self.line("M30" if node.reset else "M02")
 
     def output(self, node: SwitchOutput) -> None:
