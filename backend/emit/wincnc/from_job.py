@@ -98,7 +98,7 @@ class WinCncWriter(JobWriter):
         for name, routine in self.job.routines.items():
             self._file(self.names[name], routine, self.entries.get(name))
         self.out, self.state, self.in_file = [], dict(self.constant), ""
-        body, keeps = own_zero(self.job.body)
+        body, _ = own_zero(self.job.body)
         body = kept_before(body)
         first = next((place for place, node in enumerate(body) if not isinstance(node, Remark)), len(body))
         self.body(body[:first])
@@ -106,7 +106,7 @@ class WinCncWriter(JobWriter):
             self.line(line)
         self.body(body[first:])
         self._end_cycle()
-        if (keeps or self._inner_zero(body)) and self.job.source not in NEW_ZERO:
+        if self._leaves(self.job.body) and self.job.source not in NEW_ZERO:
             self.line("L92")
         for line in self.footer():
             self.line(line)
@@ -127,9 +127,9 @@ class WinCncWriter(JobWriter):
         """A subprogram [M98]; L92 leaves its zero to the caller, where the file does not give it back."""
         self.out, self.state, self.in_file = [], dict(self.constant), name
         self.state["feed"] = feed
-        body, keeps = own_zero(routine.body)
+        body, _ = own_zero(routine.body)
         body = kept_before(body)
-        if keeps or self._inner_zero(body):
+        if self._leaves(routine.body):
             self.line("L92")
         if body and isinstance(body[-1], LeaveRoutine):
             body = body[:-1]
@@ -137,14 +137,17 @@ class WinCncWriter(JobWriter):
         self._end_cycle()
         self.files[name] = b"".join(self.out)
 
+    def _leaves(self, body: Nodes) -> bool:
+        """Whether a body, or a file that it runs, leaves a zero behind that the end of the file would take back."""
+        rest, keeps = own_zero(body)
+        # What is brought back at the end is what the end of a file does by itself.
+        return keeps or (rest is body and self._inner_zero(body))
+
     def _inner_zero(self, body: Nodes) -> bool:
         """Whether files that a body runs leave a zero to it."""
-        for node in walk(body):
-            if isinstance(node, RunRoutine):
-                inner, keeps = own_zero(self.job.routines[node.name].body)
-                if keeps or self._inner_zero(inner):
-                    return True
-        return False
+        return any(
+            isinstance(node, RunRoutine) and self._leaves(self.job.routines[node.name].body) for node in walk(body)
+        )
 
     def routine_name(self, name: str) -> str:
         """The name of a file."""
@@ -501,7 +504,10 @@ class WinCncWriter(JobWriter):
         ends = self.style.newline.encode()
         commands = [line for line in b"".join(lines).splitlines() if not line.strip().startswith((b"[", b"("))]
         if not commands:
-            return
+            # The operator is asked, or the input read, all the same: what depends on it is a mode that is in force.
+            if "relative" not in self.state:
+                raise Unprintable("a choice that does nothing")
+            lines = commands = [b"G91" if self.state["relative"] else b"G90"]
         self.line(asked)
         if len(commands) == 1:
             self.out.append(commands[0].lstrip() + ends)
@@ -551,13 +557,15 @@ class WinCncWriter(JobWriter):
         self.unit([node.dx.unit])
         end = [] if node.back else ["E1"]
         size = [f"R{node.rows}", f"C{node.columns}", f"X{self.amount(node.dx)}", f"Y{self.amount(node.dy)}"]
-        entry: dict[str, Any] = dict(self.constant)
+        before = self.state.get("feed")
+        after = feed_after(node.body, before, self)
+        entry: dict[str, Any] = dict(self.constant) | {"feed": before if after == before else None}
         self.say("L10", *size, *end)
         self.state = entry
         self.indented(node.body)
         self._end_cycle()
         self.line("L10")
-        self.state = dict(self.constant)
+        self.state = dict(self.constant) | {"feed": feed_after(node.body, entry["feed"], self)}
 
 
 def write(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
