@@ -81,7 +81,7 @@ class McuWinWriter(JobWriter):
         if any((axis.position_unit or 1.0) != 1.0 for axis in machine.axes):
             raise Unprintable("axes whose own unit is not mm or degrees (3.1)")
         super().__init__(job, target, machine, style)
-        planes = {getattr(node, "plane", "xy") for node in self.all_nodes()}
+        planes = {getattr(node, "plane", "") or "xy" for node in self.all_nodes()}
         if planes <= {"xy"}:
             self.constant["plane"] = "xy"
         self.variables = Variables(self.all_nodes(), job.source)

@@ -44,7 +44,7 @@ TARGET = Target(
 )  # fmt: skip
 
 
-OWN = {"frame_mirror": "3.9", "frame_scale": "3.13"}
+OWN = {"frame_mirror": "3.9", "frame_scale": "3.13", "frame_scale_axis": "3.13"}
 """What only a program of this controller can have: about which zero places are mirrored is open (3.9, 3.26)."""
 
 
