@@ -12,7 +12,7 @@ from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.registry import PATTERNS
 
 PAGE = ROOT / "docs" / "translation.md"
-BEGIN, END = "<!-- made by make goldens: begin -->", "<!-- made by make goldens: end -->"
+BEGIN, END = "<!-- made by make goldens, from here -->", "<!-- made by make goldens, to here -->"
 LEFT_OUT = {"not_raised", "operator"}
 """What is no construct of a program."""
 JUMPS = "loops and choices"

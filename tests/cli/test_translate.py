@@ -1,0 +1,318 @@
+"""`gproof translate`: exit codes, what is written and what is not, wrong input."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.command import Done, in_own_process, in_this_process
+from support.each import each
+from support.goldens import ROOT
+
+from gproof.driver.targets import TARGETS
+from gproof.ir.job import Job
+from gproof.ir.machine import Machine
+from gproof.ir.target import Style, Target
+
+MACHINE = """schema = "gproof-machine/1"
+units = "mm"
+[axes.x]
+min = -500
+max = 500
+[axes.y]
+min = -500
+max = 500
+[axes.z]
+min = -200
+max = 200
+"""
+JOB = """(plate)
+G21 G17 G90 G94 G40 G54
+S6000 M3
+G0 X10 Y20 Z5
+G1 Z-2 F100
+G3 X20 Y30 I0 J10 F600
+G0 Z5
+M5
+M30
+"""
+WITH_OUTPUT = JOB.replace("S6000 M3\n", "S6000 M3\nM54 P3\n")
+WITH_MIST = JOB.replace("G0 Z5\n", "M7\nG0 Z5\n")
+SCHEMA = 'schema = "gproof-translation/1"\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A job, its machine, and one that needs a map."""
+    texts = {"job.cnc": JOB, "output.cnc": WITH_OUTPUT, "mist.cnc": WITH_MIST, "machine.toml": MACHINE}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def translate(folder: Path, *words: str, job: str = "job.cnc", to: str = "linuxcnc", out: str = "out.ngc") -> Done:
+    output = ["-o", out] if out else []
+    return in_this_process(["translate", job, "--to", to, *output, *words], folder)
+
+
+def given(folder: Path, text: str) -> str:
+    """A map."""
+    (folder / "map.toml").write_text(SCHEMA + text, encoding="utf-8")
+    return "map.toml"
+
+
+def untouched(folder: Path) -> bool:
+    """Nothing was written, and no input changed."""
+    names = {path.name for path in folder.iterdir()}
+    return names - {"map.toml"} == {"job.cnc", "output.cnc", "mist.cnc", "machine.toml"} and all(
+        (folder / name).read_text(encoding="utf-8") == text
+        for name, text in (("job.cnc", JOB), ("output.cnc", WITH_OUTPUT), ("machine.toml", MACHINE))
+    )
+
+
+# ---- 0
+
+
+MCUWIN = ("--machine-to", str(ROOT / "corpus" / "mcuwin" / "engraver" / "machine.toml"))
+WITH = {"eding": (), "linuxcnc": (), "grbl": (), "mcuwin": MCUWIN}
+
+
+@each("to", WITH)
+def test_a_proven_translation_is_written(to: str, tmp_path: Path) -> None:
+    folder = tmp_path / to
+    folder.mkdir()
+    (folder / "job.cnc").write_text(JOB, encoding="utf-8")
+    done = translate(folder, *WITH[to], to=to)
+    assert (done.exit, done.err) == (0, "")
+    assert done.out.startswith(f"out.ngc: proven: the same as job.cnc on {TARGETS[to].target().title}, wherever")
+    text = (folder / "out.ngc").read_text(encoding="utf-8")
+    assert "plate" in text and "NOT PROVEN" not in text
+
+
+def test_the_text_for_linuxcnc_is_what_a_person_would_write(folder: Path) -> None:
+    assert translate(folder).exit == 0
+    lines = (folder / "out.ngc").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "(plate)"
+    assert [line for line in lines if line.startswith(("G0 X", "G1 Z", "G3", "S6000", "M5", "M30"))] == [
+        "S6000 M3", "G0 X10 Y20 Z5", "G1 Z-2 F100", "G3 X20 Y30 I0 J10 F600", "M5", "M30",
+    ]  # fmt: skip
+
+
+def test_a_map_gives_the_outputs_of_the_other_machine(folder: Path) -> None:
+    assert translate(folder, job="output.cnc").exit == 2
+    done = translate(folder, "--map", given(folder, "[outputs]\n3 = 2\n"), job="output.cnc")
+    assert (done.exit, done.err) == (0, "")
+    words = (folder / "out.ngc").read_text(encoding="utf-8").split()
+    assert "P2" in words and "P3" not in words
+
+
+def test_the_style_of_a_map_is_used(folder: Path) -> None:
+    style = '[style]\ndecimals_mm = 1\nnewline = "crlf"\nheader = ["(made)"]\nfooter = ["(done)"]\n'
+    (folder / "job.cnc").write_text(JOB.replace("G0 Z5", "G0 Z5.24"), encoding="utf-8")
+    done = translate(folder, "--map", given(folder, style))
+    assert done.exit == 0, done
+    text = (folder / "out.ngc").read_bytes()
+    assert text.count(b"\n") == text.count(b"\r\n") > 5
+    assert b" Z5\r\n" in text and b"Z5.2\r\n" in text and b"(made)\r\n" in text and b"(done)\r\n" in text
+
+
+def test_a_proposed_map_is_one_that_works(folder: Path) -> None:
+    proposed = translate(folder, "--map", "init", job="output.cnc", out="")
+    assert (proposed.exit, proposed.err) == (0, "")
+    assert "[outputs]\n3 = 3\n" in proposed.out and untouched(folder)
+    (folder / "map.toml").write_text(proposed.out, encoding="utf-8")
+    assert translate(folder, "--map", "map.toml", job="output.cnc").exit == 0
+
+
+def test_a_report_for_programs(folder: Path) -> None:
+    done = translate(folder, "--format", "json")
+    report = json.loads(done.out)
+    assert (done.exit, done.err) == (0, "")
+    assert report["format"] == "gproof-translation-report/1"
+    assert (report["verdict"], report["target"], report["written"]) == ("SAFE", "linuxcnc", ["out.ngc"])
+    assert report["findings"] == [] and report["moves"] == 4
+
+
+# ---- 1
+
+
+def wrong(old: bytes, new: bytes) -> Any:
+    """A writer that makes a mistake."""
+    entry = TARGETS["linuxcnc"]
+
+    def write(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
+        files = entry.write(job, target, machine, style)
+        assert old in files[""]
+        return {name: text.replace(old, new) for name, text in files.items()}
+
+    return replace(entry, write=write)
+
+
+@each("old,new", [(b"X20", b"X20.01"), (b"G3 ", b"G2 "), (b"F600", b"F60"), (b"S6000 M3\n", b"")])
+def test_a_wrong_translation_is_never_written(
+    old: bytes, new: bytes, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patched:
+        patched.setitem(TARGETS, "linuxcnc", wrong(old, new))
+        for more in ((), ("--allow-unproven",), ("--partial",), ("--format", "json")):
+            done = translate(folder, *more)
+            assert done.exit == 1, (more, done)
+            assert "GP704" in done.err + done.out
+            assert untouched(folder)
+    assert json.loads(done.out)["written"] == []
+
+
+# ---- 2
+
+
+def test_a_construct_that_the_target_lacks_is_refused(folder: Path) -> None:
+    done = translate(folder, to="grbl", job="mist.cnc")
+    assert done.exit == 2 and untouched(folder)
+    assert done.err.startswith(
+        "mist.cnc:7:1: unknown GP703 [not-translated] mist coolant cannot be translated to grbl 1.1"
+    )
+    assert done.out.startswith("mist.cnc: not translated to grbl 1.1: nothing was written\n")
+    report = json.loads(translate(folder, "--format", "json", to="grbl", job="mist.cnc").out)
+    assert (report["verdict"], report["written"], report["moves"]) == ("UNKNOWN", [], None)
+    assert [(one["code"], one["line"]) for one in report["findings"]] == [("GP703", 7)]
+
+
+def test_allow_unproven_writes_nothing_of_a_refused_job(folder: Path) -> None:
+    assert translate(folder, "--allow-unproven", to="grbl", job="mist.cnc").exit == 2
+    assert untouched(folder)
+
+
+def test_partial_writes_what_comes_before_and_a_stop(folder: Path) -> None:
+    done = translate(folder, "--partial", to="grbl", job="mist.cnc")
+    assert done.exit == 2
+    assert "out.ngc: written, not proven\n" in done.out
+    lines = (folder / "out.ngc").read_text(encoding="utf-8").splitlines()
+    assert lines[0].startswith("(NOT PROVEN: mist coolant cannot be translated to grbl 1.1")
+    text = "\n".join(lines)
+    assert "G3 X20 Y30" in text and "M7" not in text
+    stop = lines.index("M0")
+    assert "the translation ends here: mist coolant" in lines[stop - 1]
+    assert not any(line.startswith(("G0", "G1", "Z")) for line in lines[stop:])
+
+
+def test_what_is_not_proven_is_written_only_on_demand(folder: Path) -> None:
+    """Without WINCNC.INI nobody knows what M3 does on the other machine."""
+    done = translate(folder, to="wincnc")
+    assert done.exit == 2 and untouched(folder)
+    assert "GP705" in done.err or "GP113" in done.err
+    done = translate(folder, "--allow-unproven", to="wincnc")
+    assert done.exit == 2 and done.out.startswith("out.ngc: written, not proven\n")
+    first, second, *_ = (folder / "out.ngc").read_text(encoding="utf-8").splitlines()
+    assert first.startswith("[NOT PROVEN: ") and first.endswith("]") and len(first) > 30
+    assert second == "[plate]"
+
+
+# ---- 3
+
+
+WRONG = [
+    ("no such job", ("--to", "eding", "-o", "out", "none.cnc"), "job none.cnc: no such file"),
+    ("unknown --to", ("--to", "fanuc", "-o", "out", "job.cnc"), "--to fanuc: choose one of eding, "),
+    ("no -o", ("--to", "eding", "job.cnc"), "-o FILE is missing"),
+    ("output is the source", ("--to", "eding", "-o", "job.cnc", "job.cnc"), "output job.cnc: would overwrite an input"),
+    ("output is the machine", ("--to", "eding", "-o", "machine.toml", "--machine", "machine.toml", "job.cnc"),
+     "output machine.toml: would overwrite an input"),
+    ("output is the other machine", ("--to", "eding", "-o", "machine.toml", "--machine-to", "machine.toml", "job.cnc"),
+     "output machine.toml: would overwrite an input"),
+    ("output is the map", ("--to", "eding", "-o", "map.toml", "--map", "map.toml", "job.cnc"),
+     "output map.toml: would overwrite an input"),
+    ("output is a folder", ("--to", "eding", "-o", ".", "job.cnc"), "output .: is a folder, not a file"),
+    ("no folder for the output", ("--to", "eding", "-o", "no/out", "job.cnc"), "no such folder: no"),
+    ("no such machine", ("--to", "eding", "-o", "out", "--machine-to", "none.toml", "job.cnc"),
+     "machine file none.toml: no such file"),
+    ("no such map", ("--to", "eding", "-o", "out", "--map", "none.toml", "job.cnc"),
+     "map file none.toml: no such file"),
+    ("a map that is none", ("--to", "eding", "-o", "out", "--map", "machine.toml", "job.cnc"),
+     "map file machine.toml: cannot be used"),
+    ("a chord tolerance of nothing", ("--to", "eding", "-o", "out", "--chord-tolerance", "0", "job.cnc"),
+     "--chord-tolerance"),
+    ("rapids of no kind", ("--to", "eding", "-o", "out", "--rapids", "bent", "job.cnc"), "--rapids"),
+]  # fmt: skip
+
+
+@each("name,words,said", WRONG)
+def test_wrong_input_is_one_line(name: str, words: tuple[str, ...], said: str, tmp_path: Path) -> None:
+    folder = tmp_path / name
+    folder.mkdir()
+    for file, text in (("job.cnc", JOB), ("machine.toml", MACHINE), ("map.toml", SCHEMA)):
+        (folder / file).write_text(text, encoding="utf-8")
+    done = in_this_process(["translate", *words], folder)
+    assert done.exit == 3 and done.out == ""
+    assert said in done.err.splitlines()[-1], done.err
+    assert sorted(path.name for path in folder.iterdir()) == ["job.cnc", "machine.toml", "map.toml"]
+    assert (folder / "job.cnc").read_text() == JOB
+
+
+MAPS = [
+    ("[outputs]\n4 = 1\n", "[outputs] 4: nothing in job.cnc needs it"),
+    ("[inputs]\n1 = 1\n", "[inputs] 1: nothing in job.cnc needs it"),
+    ("[tools]\n1 = 1\n", "[tools] 1: nothing in job.cnc needs it"),
+    ("[offsets]\n2 = 1\n", "[offsets] 2: nothing in job.cnc needs it"),
+    ("[outputs]\n1 = 3\n2 = 3\n", "GP603"),
+    ("[outputs]\nfan = 3\n", "GP603"),
+    ("[outputs]\n1 = -3\n", "GP603"),
+    ('[coolant]\nmist = "oil"\n', "GP603"),
+    ('tool_change = "hope"\n', "GP603"),
+    ("[style]\ndecimals_mm = 40\n", "GP603"),
+    ("[outptus]\n1 = 1\n", "GP611"),
+    ("[style]\nfont = 1\n", "GP611"),
+    ("[[outputs]]\n", "GP603"),
+    ("outputs = \n", "GP601"),
+]
+
+
+@each("text,said", MAPS)
+def test_a_bad_map_is_told_with_its_line(text: str, said: str, folder: Path) -> None:
+    done = translate(folder, "--map", given(folder, text))
+    assert done.exit == 3 and untouched(folder)
+    assert said in done.err, done.err
+    assert "map.toml" in done.err
+
+
+def test_no_permission(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "access", lambda path, mode, **_: mode != os.W_OK)
+    done = translate(folder)
+    assert done.exit == 3 and "no permission to write in folder" in done.err and untouched(folder)
+
+
+def test_a_file_of_a_subprogram_is_not_overwritten(folder: Path) -> None:
+    """WinCNC has subprograms in files of their own, next to the job."""
+    called = "sub hole\nG1 Z-2 F100\nG0 Z5\nendsub\nG21 G90 G54\nG0 X1 Y1 Z5\ngosub hole\nG0 X2\ngosub hole\nM30\n"
+    (folder / "called.cnc").write_text(called, encoding="utf-8")
+    first = translate(folder, "--allow-unproven", to="wincnc", job="called.cnc", out="out.tap")
+    assert first.exit in (0, 2)
+    more = [path for path in folder.iterdir() if path.suffix.lower() == ".tap" and path.name != "out.tap"]
+    assert len(more) == 1
+    more[0].write_text("[mine]\n", encoding="utf-8")
+    again = translate(folder, "--allow-unproven", to="wincnc", job="called.cnc", out="again.tap")
+    assert again.exit == 3 and "exists; choose another folder" in again.err
+    assert more[0].read_text(encoding="utf-8") == "[mine]\n" and not (folder / "again.tap").exists()
+
+
+# ---- folders
+
+
+def test_a_folder_of_programs(folder: Path) -> None:
+    (folder / "parts").mkdir()
+    for name in ("a.cnc", "b.cnc"):
+        (folder / "parts" / name).write_text(JOB, encoding="utf-8")
+    done = translate(folder, job="parts", out="new")
+    assert done.exit == 0 and done.out.count("proven: the same as") == 2
+    assert sorted(path.name for path in (folder / "new").iterdir()) == ["a.ngc", "b.ngc"]
+    (folder / "parts" / "b.cnc").write_text(WITH_OUTPUT, encoding="utf-8")
+    assert translate(folder, job="parts", out="newer").exit == 2
+    assert sorted(path.name for path in (folder / "newer").iterdir()) == ["a.ngc"]
+
+
+def test_a_process_of_its_own_says_the_same(folder: Path) -> None:
+    words = ["translate", "job.cnc", "--to", "grbl", "-o", "out.nc"]
+    assert in_own_process(words, folder) == in_this_process(words, folder)
