@@ -83,7 +83,7 @@ def variable(node: Variable, naming: Naming) -> str:
     """``#31``, ``#[#31 + 1000]``."""
     if isinstance(node.number, Number):
         if node.number.value != round(node.number.value):
-            raise Unprintable("a variable whose number is not whole")
+            raise Unprintable("a variable whose number is no integer")
         return f"#{naming(round(node.number.value))}"
     shift = naming(0)
     text = inside(node.number, naming)

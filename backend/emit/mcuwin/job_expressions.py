@@ -137,7 +137,7 @@ class PascalWriter:
     def whole(self, expr: Expr) -> str:
         """A bound of a counted loop (8.3), or what an integer is set to."""
         if not _is_whole(expr, self.variables.whole):
-            raise Unprintable("a number that may be no whole one, where an integer is needed (8.3, 11)")
+            raise Unprintable("a number that may be no integer, where an integer is needed (8.3, 11)")
         return self.value(expr)
 
     def condition(self, expr: Expr, *, negated: bool = False) -> str:
@@ -186,7 +186,7 @@ class PascalWriter:
         if expr.operator in IS_RELATION or expr.operator in LOGICAL or expr.operator not in WRITTEN:
             raise Unprintable(f"the operator {expr.operator!r} in a number")
         if expr.operator in ONLY_WHOLE and not _is_whole(expr, self.variables.whole):
-            raise Unprintable(f"the operator {expr.operator!r} of numbers that may be no whole ones")
+            raise Unprintable(f"the operator {expr.operator!r} of numbers that may be no integers")
         return Binary(expr.operator, self.number(expr.left), self.number(expr.right), expr.span)
 
     def _power(self, expr: Binary) -> Expr:

@@ -47,7 +47,7 @@ CODE, LINES = 3300, 4450
 LOADER = 350
 """Lines of code that come to that with numba."""
 
-READS = {"columns", "stream", "trace", "drives", "verdict", "record", "kernel", "kernel_declared"}
+READS = {"columns", "stream", "trace", "drives", "verdict", "record", "kernel", "kernel_declared", "end_state"}
 """What the kernel is made of in ir/: the stages, Drives, verdicts, and how records and kernels are declared."""
 
 Job = tuple[StepStream, Trace, Machine, Setup]

@@ -113,7 +113,7 @@ class Values:
         """The number after ``#``."""
         number = self._operand(self.next())
         if abs(number - round(number)) > SAME:
-            raise Unread("a variable whose number is not whole")
+            raise Unread("a variable whose number is no integer")
         return round(number)
 
     def bracketed(self) -> float:
