@@ -44,7 +44,7 @@ LONGEST = 70
 REAL_TIME = set("?!~")
 
 
-@pytest.mark.parametrize("job", share(JOBS, 4), ids=str)
+@pytest.mark.parametrize("job", share(JOBS, 10), ids=str)
 def test_a_job_is_proven_or_refused_by_name(job: CorpusJob) -> None:
     done = translated(job, "grbl")
     said = [f"{finding.code.label} {finding.message}" for finding in done.findings.kept]
@@ -116,7 +116,7 @@ def test_what_grbl_does_not_have_becomes_moves(tmp_path: Path) -> None:
     assert "(a comment that is longer" in text
 
 
-@pytest.mark.parametrize("job", share(eding_jobs(), 4), ids=str)
+@pytest.mark.parametrize("job", share(eding_jobs(), 12), ids=str)
 def test_linuxcnc_makes_the_same_moves(job: CorpusJob, peer: None) -> None:
     done = translated(job, "grbl", exact=True)
     if done.verdict is not Verdict.SAFE:

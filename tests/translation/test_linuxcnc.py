@@ -54,7 +54,7 @@ UNPROVEN = {
 """Jobs that are written and not proven, and why."""
 
 
-@pytest.mark.parametrize("job", share(JOBS, 4), ids=str)
+@pytest.mark.parametrize("job", share(JOBS, 10), ids=str)
 def test_a_job_is_proven_or_refused_by_name(job: CorpusJob) -> None:
     done = translated(job, "linuxcnc")
     said = [f"{finding.code.label} {finding.message}" for finding in done.findings.kept]
@@ -151,7 +151,7 @@ def _for_the_peer() -> list[CorpusJob]:
     return [job for job in eding_jobs() if job.name not in UNPROVEN and job.name not in out]
 
 
-@pytest.mark.parametrize("job", share(_for_the_peer(), 3), ids=str)
+@pytest.mark.parametrize("job", share(_for_the_peer(), 8), ids=str)
 def test_linuxcnc_makes_the_same_moves(job: CorpusJob, peer: None) -> None:
     done = translated(job, "linuxcnc", exact=True)
     if done.verdict is not Verdict.SAFE:
@@ -170,4 +170,4 @@ def same_moves(ours: list[tuple[str, tuple[float, ...]]], theirs: list[tuple[str
     assert len(ours) == len(theirs)
 
 
-assert SOAK or len(share(JOBS, 4)) < len(JOBS)
+assert SOAK or len(share(JOBS, 10)) < len(JOBS)

@@ -245,3 +245,18 @@ def test_a_number_is_read_to_the_last_digit(tmp_path: Path) -> None:
     text = "".join(f"G0 X{a} Y{b}\n" for a, b in zip(numbers, reversed(numbers), strict=True))
     pairs = zip(map(float, numbers), map(float, reversed(numbers)), strict=True)
     assert moves(text, tmp_path) == list(pairs)
+
+
+def test_tables_of_lines_are_read_as_single_lines_are(tmp_path: Path) -> None:
+    """A long run of plain lines is done at once, whatever its first lines leave open; with comments, one by one."""
+    made = random.Random(5)
+    lines = ["F500", "X1 Y1 Z1", "G1 X2 F300", "F200", *(f"X{made.uniform(-9, 9):.4f} Y{n}" for n in range(50))]
+    lines += [f"G{made.choice((2, 3))} X{made.uniform(0, 9):.4f} Y{n} R60 F{n + 1}" for n in range(50)]
+    start = f"{START}\nG0 X0\n"
+    at_once = "\n".join(lines) + "\nM30\n"
+    _, machine = eding("G0 X1\n", tmp_path)
+    one = read(start + at_once, machine).trace
+    other = read(start + at_once.replace("\n", " (-)\n"), machine).trace
+    assert len(one.sections[0].rows) > 90
+    for name in one.sections[0].rows.schema.by_name:
+        assert one.sections[0].rows[name] == pytest.approx(other.sections[0].rows[name], nan_ok=True), name

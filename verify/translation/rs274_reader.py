@@ -221,14 +221,16 @@ class _Reader:
             raise Unread("a line after the end of the program")
         row = int(self.plain.row[first - 1])
         values = self.plain.values[row : row + last - first]
-        if now.per == 94 and (now.motion is None or now.motion < 40) and last - first > 1:
-            done = self._table(first, values)
-            if done:
-                return
-        for place in range(last - first):
-            self.at = first + place
-            now.line(self._words(values[place]), first + place)
         self.steps += last - first
+        done, few = 0, 1
+        while done < len(values):
+            if now.per == 94 and (now.motion is None or now.motion < 40) and self._table(first + done, values[done:]):
+                return
+            # A mode is open in the first of them: one by one, and then at once.
+            for place in range(done, min(done + few, len(values))):
+                self.at = first + place
+                now.line(self._words(values[place]), first + place)
+            done, few = done + few, 2 * few
 
     def _words(self, values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Words:
         found = Words()
