@@ -19,7 +19,9 @@ from gproof.ir.machine import Machine
 from gproof.ir.trace import Op, Trace, Wait
 from gproof.ir.translation_terms import TranslationTerms
 from gproof.ir.verdict import Verdict
+from gproof.verify.translation import rs274_reader
 from gproof.verify.translation.compare import compare
+from gproof.verify.translation.rs274 import plain_lines
 from gproof.verify.translation.rs274_reader import GRBL, LINUXCNC, Language, ReadBack, read_back
 
 MACHINE = ROOT / "tests" / "differential" / "machine.toml"
@@ -247,8 +249,13 @@ def test_a_number_is_read_to_the_last_digit(tmp_path: Path) -> None:
     assert moves(text, tmp_path) == list(pairs)
 
 
-def test_tables_of_lines_are_read_as_single_lines_are(tmp_path: Path) -> None:
+@pytest.mark.parametrize("piece", [7, 1 << 15])
+def test_tables_of_lines_are_read_as_single_lines_are(
+    piece: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A long run of plain lines is done at once, whatever its first lines leave open; with comments, one by one."""
+    monkeypatch.setattr(rs274_reader, "PIECE_ROWS", piece)
+    monkeypatch.setattr(plain_lines, "PIECE", 16 * piece)
     made = random.Random(5)
     lines = ["F500", "X1 Y1 Z1", "G1 X2 F300", "F200", *(f"X{made.uniform(-9, 9):.4f} Y{n}" for n in range(50))]
     lines += [f"G{made.choice((2, 3))} X{made.uniform(0, 9):.4f} Y{n} R60 F{n + 1}" for n in range(50)]

@@ -26,6 +26,8 @@ __all__ = ["GRBL", "LINUXCNC", "Language", "ReadBack", "read_back"]
 
 MOST_STEPS = 2_000_000
 """Lines that are run before the answer is UNKNOWN: loops of a translation end."""
+PIECE_ROWS = 1 << 15
+"""Plain lines that are done at once."""
 TIME_IS_OVER = "[#5399EQ-1]"
 """The condition of what M66 leaves when its time is over."""
 DEEPEST = 40
@@ -224,8 +226,10 @@ class _Reader:
         self.steps += last - first
         done, few = 0, 1
         while done < len(values):
-            if now.per == 94 and (now.motion is None or now.motion < 40) and self._table(first + done, values[done:]):
-                return
+            piece = values[done : done + PIECE_ROWS]
+            if now.per == 94 and (now.motion is None or now.motion < 40) and self._table(first + done, piece):
+                done += len(piece)
+                continue
             # A mode is open in the first of them: one by one, and then at once.
             for place in range(done, min(done + few, len(values))):
                 self.at = first + place

@@ -20,6 +20,8 @@ LETTERS = "GXYZABCIJKRF"
 LONGEST = 15
 """Digits of a number that is read here: the digits as a whole number are exact, and so is a power of ten."""
 MOST_CHARACTERS = 18
+PIECE = 1 << 19
+"""Bytes that are read at once."""
 
 _SLOT = np.full(256, -1, np.int8)
 for _place, _letter in enumerate(LETTERS):
@@ -42,7 +44,23 @@ class PlainLines:
 
 
 def plain_lines(text: bytes) -> PlainLines:
-    """All lines of a text, which ends with a newline."""
+    """All lines of a text, which ends with a newline; in pieces that fit into a processor's cache."""
+    parts, starts, begin = [], [], 0
+    while begin < len(text):
+        end = text.find(b"\n", min(begin + PIECE, len(text) - 1)) + 1
+        parts.append(_piece(text[begin:end]))
+        starts.append(parts[-1].starts[:-1] + begin)
+        begin = end
+    if not parts:
+        return _piece(text)
+    plain = np.concatenate([part.plain for part in parts])
+    return PlainLines(
+        plain, np.concatenate([*starts, [len(text)]]), np.concatenate([part.values for part in parts]),
+        np.cumsum(plain) - 1,
+    )  # fmt: skip
+
+
+def _piece(text: bytes) -> PlainLines:
     data = np.frombuffer(text, np.uint8)
     ends = np.flatnonzero(data == _NEWLINE)
     starts = np.concatenate([[0], ends + 1])
