@@ -13,7 +13,7 @@ from gproof.driver.files import require_file, require_place, write_bytes
 from gproof.driver.jobs import find_jobs
 from gproof.driver.session import open_session
 from gproof.driver.targets import TARGETS
-from gproof.driver.translation import Translation, Wanted, raised, translate
+from gproof.driver.translation import Translation, Wanted, map_in, raised, translate
 from gproof.driver.translation_map import proposed, toml_of
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.verdict import Verdict, worst
@@ -57,7 +57,7 @@ def _folder(wanted: Wanted, output: Path, *, allow_unproven: bool, form: str) ->
         [str(wanted.job)], _print_files, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect
     )  # fmt: skip
     output.mkdir(parents=True, exist_ok=True)
-    extension = TARGETS[wanted.to].target().style.extension
+    extension = map_in(wanted.map).styled(TARGETS[wanted.to].target().style).extension
     written: dict[Path, bytes] = {}
     verdicts = []
     for job in found:
@@ -102,7 +102,7 @@ def _write(done: Translation, wanted: Wanted, output: Path, written: dict[Path, 
         words = "NOT PROVEN" if reason is None else f"NOT PROVEN: {reason.message}"
         begin, end = TARGETS[wanted.to].comment
         plain = "".join(" " if one in "()[]%'\"" else one for one in words)[:200]
-        note = f"{begin}{plain}{end}{done.target.style.newline}"
+        note = f"{begin}{plain}{end}{done.map.styled(done.target.style).newline}"
     files = {output.parent / name if name else output: text for name, text in done.files.items()}
     for path, text in files.items():
         if path != output and path.exists() and written.get(path) != text:

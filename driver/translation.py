@@ -95,7 +95,7 @@ def translate(wanted: Wanted) -> Translation:
     machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
     if entry.adapted is not None:
         done.target = target = entry.adapted(target, machine_to, wanted.machine_to or wanted.machine, session.dialect)
-    given = wanted.given or _map(wanted.map)
+    given = wanted.given or map_in(wanted.map)
     legal = legal_job(session, target, machine_to, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
     done.spare_used = legal.spare_used
@@ -150,7 +150,7 @@ def raised(session: Session) -> Job:
     return raising(session.program, session.machine)
 
 
-def _map(path: Path | None) -> TranslationMap:
+def map_in(path: Path | None) -> TranslationMap:
     """The map in a file; UsageError, with findings, for a bad one."""
     if path is None:
         return NO_MAP

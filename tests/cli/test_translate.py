@@ -194,7 +194,7 @@ def test_partial_writes_what_comes_before_and_a_stop(folder: Path) -> None:
     assert lines[0].startswith("(NOT PROVEN: mist coolant cannot be translated to grbl 1.1")
     text = "\n".join(lines)
     assert "G3 X20 Y30" in text and "M7" not in text
-    stop = lines.index("M0")
+    stop = lines.index("M0")  # what follows is no motion
     assert "the translation ends here: mist coolant" in lines[stop - 1]
     assert not any(line.startswith(("G0", "G1", "Z")) for line in lines[stop:])
 
@@ -300,7 +300,22 @@ def test_a_file_of_a_subprogram_is_not_overwritten(folder: Path) -> None:
     assert more[0].read_text(encoding="utf-8") == "[mine]\n" and not (folder / "again.tap").exists()
 
 
+def test_the_style_is_that_of_the_first_comment_too(folder: Path) -> None:
+    words = ("--partial", "--map", given(folder, '[style]\nnewline = "crlf"\n'))
+    assert translate(folder, *words, to="grbl", job="mist.cnc").exit == 2
+    text = (folder / "out.ngc").read_bytes()
+    assert text.startswith(b"(NOT PROVEN") and text.count(b"\n") == text.count(b"\r\n")
+
+
 # ---- folders
+
+
+def test_the_extension_of_a_map_is_that_of_the_files(folder: Path) -> None:
+    (folder / "parts").mkdir()
+    (folder / "parts" / "a.cnc").write_text(JOB, encoding="utf-8")
+    style = given(folder, '[style]\nextension = ".nc"\n')
+    assert translate(folder, "--map", style, job="parts", out="new").exit == 0
+    assert [path.name for path in (folder / "new").iterdir()] == ["a.nc"]
 
 
 def test_a_folder_of_programs(folder: Path) -> None:
