@@ -13,7 +13,7 @@ from gproof.driver.files import require_file, require_place, write_bytes
 from gproof.driver.jobs import find_jobs
 from gproof.driver.session import open_session
 from gproof.driver.targets import TARGETS
-from gproof.driver.translation import Translation, Wanted, map_in, raised, translate
+from gproof.driver.translation import Translation, Wanted, map_in, raised, translate, unused_entries
 from gproof.driver.translation_map import proposed, toml_of
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.verdict import Verdict, worst
@@ -56,13 +56,20 @@ def _folder(wanted: Wanted, output: Path, *, allow_unproven: bool, form: str) ->
     found = find_jobs(
         [str(wanted.job)], _print_files, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect
     )  # fmt: skip
+    given = map_in(wanted.map)
+    jobs = [
+        replace(wanted, job=job.path, machine=job.machine, setup=job.setup, dialect=job.dialect, several=True)
+        for job in found
+    ]  # fmt: skip
+    if given.given and jobs:
+        for table, number in sorted(set.intersection(*(unused_entries(one, given) for one in jobs))):
+            raise UsageError(f"map file {wanted.map}: [{table}] {number}: nothing in {wanted.job} needs it")
     output.mkdir(parents=True, exist_ok=True)
-    extension = map_in(wanted.map).styled(TARGETS[wanted.to].target().style).extension
+    extension = given.styled(TARGETS[wanted.to].target().style).extension
     written: dict[Path, bytes] = {}
     verdicts = []
-    for job in found:
-        one = replace(wanted, job=job.path, machine=job.machine, setup=job.setup, dialect=job.dialect)
-        place = output / job.path.relative_to(wanted.job).with_suffix(extension)
+    for one in jobs:
+        place = output / one.job.relative_to(wanted.job).with_suffix(extension)
         place.parent.mkdir(parents=True, exist_ok=True)
         verdicts.append(_one(one, place, written, allow_unproven=allow_unproven, form=form))
     return worst(verdicts).exit_code

@@ -28,7 +28,7 @@ from gproof.ir.trace import Trace
 from gproof.ir.translation_map import NO_MAP, TranslationMap
 from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 from gproof.ir.verdict import Verdict
-from gproof.passes.legalize.by_map import by_map
+from gproof.passes.legalize.by_map import Mapped, by_map
 from gproof.passes.legalize.context import Lowered, Options
 from gproof.passes.legalize.legalize import Legal, before_refusal, legalize
 from gproof.verify.translation.compare import compare
@@ -44,7 +44,8 @@ ROUNDING = 1.02
 @record(frozen=True, slots=True, kw_only=True)
 class Wanted:
     """What to translate: the arguments of ``gproof translate``. to: a key of TARGETS; machine, machine_to: files;
-    given: a map, instead of the file ``map``."""
+    given: a map, instead of the file ``map``; several: the map is that of several programs, so that an entry which this
+    one does not need is no mistake."""
 
     job: Path
     to: str
@@ -58,6 +59,7 @@ class Wanted:
     given: TranslationMap | None = None
     partial: bool = False
     straight_rapids: bool = False
+    several: bool = False
     running: Running = Running()
 
 
@@ -169,11 +171,8 @@ def legal_job(
     session: Session, target: Target, machine: Machine, wanted: Wanted, given: TranslationMap
 ) -> Legal:  # fmt: skip
     """The job as the target can have it; UsageError for an entry of the map that nothing needs."""
-    same = wanted.to == session.dialect
-    if wanted.machine_to is None and not same:
-        machine = replace(machine, tools=())
-    mapped = by_map(_without_lengths(raised(session), session, target), given, target, machine, same=same)
-    if mapped.unused:
+    mapped = _mapped(session, target, machine, wanted, given)
+    if mapped.unused and not wanted.several:
         table, number = mapped.unused[0]
         raise UsageError(f"map file {wanted.map}: [{table}] {number}: nothing in {wanted.job} needs it")
     setup = session.setup
@@ -183,6 +182,22 @@ def legal_job(
         coolant=given.coolant, tool_change=given.tool_change,
     )  # fmt: skip
     return legalize(mapped.job, target, options)
+
+
+def _mapped(session: Session, target: Target, machine: Machine, wanted: Wanted, given: TranslationMap) -> Mapped:
+    """The job in the target's numbers."""
+    same = wanted.to == session.dialect
+    if wanted.machine_to is None and not same:
+        machine = replace(machine, tools=())
+    return by_map(_without_lengths(raised(session), session, target), given, target, machine, same=same)
+
+
+def unused_entries(wanted: Wanted, given: TranslationMap) -> set[tuple[str, int]]:
+    """(table, number) of entries of a map that a job does not need; none where it cannot be read."""
+    session = open_session(wanted.job, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect)
+    if session.program is None:
+        return set()
+    return set(_mapped(session, TARGETS[wanted.to].target(), session.machine, wanted, given).unused)
 
 
 def _without_lengths(job: Job, session: Session, target: Target) -> Job:

@@ -330,6 +330,17 @@ def test_a_folder_of_programs(folder: Path) -> None:
     assert sorted(path.name for path in (folder / "newer").iterdir()) == ["a.ngc"]
 
 
+def test_one_map_for_a_folder_of_programs(folder: Path) -> None:
+    """Each entry is for some program; one that none needs is a mistake, and then nothing is written."""
+    (folder / "parts").mkdir()
+    for name, text in (("a.cnc", JOB), ("b.cnc", WITH_OUTPUT)):
+        (folder / "parts" / name).write_text(text, encoding="utf-8")
+    assert translate(folder, "--map", given(folder, "[outputs]\n3 = 2\n"), job="parts", out="new").exit == 0
+    done = translate(folder, "--map", given(folder, "[outputs]\n3 = 2\n4 = 1\n"), job="parts", out="newer")
+    assert done.exit == 3 and "[outputs] 4: nothing in parts needs it" in done.err
+    assert not (folder / "newer").exists()
+
+
 def test_a_process_of_its_own_says_the_same(folder: Path) -> None:
     words = ["translate", "job.cnc", "--to", "grbl", "-o", "out.nc"]
     assert in_own_process(words, folder) == in_this_process(words, folder)
