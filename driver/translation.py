@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -322,6 +323,7 @@ def terms_of(
         if not had
     )  # fmt: skip
     given = done.map
+    back = {new: old for old, new in given.tools.items()}
     same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
     spare = done.target.spare_offset if done.spare_used else 0
     axes = frozenset(name for name in AXIS_NAMES if source.axis(name) and target.axis(name))
@@ -335,12 +337,16 @@ def terms_of(
         source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
         outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
         tools=tuple(sorted(given.tools.items())),
-        source_symbols=_only_local(done.session.dialect, done.target.name) + tuple(
+        source_symbols=_only_local(done.session.dialect, done.target.name)
+        + _measured(done.session.dialect, done.target.name, target, back)
+        + tuple(
             SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
             for old, new in given.offsets.items() for axis in AXIS_NAMES
         ),
         target_symbols=(
-            *_only_local(done.target.name, done.session.dialect), *_measured(done, source), *_lengths_in_zeros(done),
+            *_only_local(done.target.name, done.session.dialect),
+            *_measured(done.target.name, done.session.dialect, source, given.tools),
+            *_lengths_in_zeros(done),
         ),
         coolant=tuple(sorted(given.coolant.items())),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
@@ -348,14 +354,17 @@ def terms_of(
     )  # fmt: skip
 
 
-def _measured(done: Translation, machine: Machine) -> tuple[SymbolMeaning, ...]:
-    """Measures of tools where the target has them instead of lengths, of tools whose length the source's file says."""
-    names = [name for name in (done.target.name, done.session.dialect) if name in DIALECTS]
-    if [rules_named(name).measured_tools for name in names] != [True, False]:
+def _measured(name: str, other: str, machine: Machine, numbers: Mapping[int, int]) -> tuple[SymbolMeaning, ...]:
+    """Measures of tools where one controller has them instead of lengths, of tools whose length the other's file says.
+
+    numbers: of tools of the other controller, as this one has them.
+    """
+    if not {name, other} <= DIALECTS.keys():
         return ()
-    tools = {tool.number: tool.length for tool in machine.tools}
-    named = {done.map.tools.get(number, number): length for number, length in tools.items() if length is not None}
-    return tuple(SymbolMeaning(symbol=f"tool.{number}.z", mm=length) for number, length in sorted(named.items()))
+    if not rules_named(name).measured_tools or rules_named(other).measured_tools:
+        return ()
+    lengths = {numbers.get(tool.number, tool.number): tool.length for tool in machine.tools if tool.length is not None}
+    return tuple(SymbolMeaning(symbol=f"tool.{number}.z", mm=length) for number, length in sorted(lengths.items()))
 
 
 def _only_local(name: str, other: str) -> tuple[SymbolMeaning, ...]:

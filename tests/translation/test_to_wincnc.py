@@ -147,3 +147,37 @@ def test_codes_that_cnc_mac_does_not_have_are_refused(tmp_path: Path) -> None:
     for body, what in (("T2 M6", "tool change"), ("S5000 M3", "spindle"), ("M8", "flood")):
         done = translated(tmp_path, f"{MODES}{body}\nG0 X1\nM30\n", macros={"CNC.MAC": "M30=[\n"})
         assert any(what in finding.message for finding in done.findings.kept), body
+
+
+ARRAY = """G22
+G90
+G0 X5 Y7 Z5
+L10 R1 C3 X20 Y0
+G92 X Y
+G1 X3 F200
+G0 Z5
+L10
+G0 X1
+"""
+CELL = ["G92 X0 Y0", "G1 X3 F200", "G0 Z5"]
+
+
+def test_cells_of_an_array_count_from_their_own_zero(tmp_path: Path) -> None:
+    """Each cell names its start X0 Y0, so that the next one is 20 from there, and the first one 40 back [L10]; at the
+    end the operator's zero is there again [L92]."""
+    for dialect in ("eding", "wincnc"):
+        (tmp_path / dialect).mkdir()
+        for name, data in machine_files(dialect).items():
+            (tmp_path / dialect / name).write_bytes(data)
+    job = tmp_path / "job.tap"
+    job.write_text(ARRAY)
+    done = translate(
+        Wanted(
+            job=job, to="eding", machine=tmp_path / "wincnc" / "WINCNC.INI", dialect="wincnc",
+            machine_to=tmp_path / "eding" / "machine.toml",
+        )
+    )  # fmt: skip
+    assert done.verdict is Verdict.SAFE
+    lines = done.files[""].decode().splitlines()
+    begin = lines.index("X20 Y0") - len(CELL)
+    assert lines[begin : begin + 4 * len(CELL)] == [*CELL, "X20 Y0", *CELL, "X20 Y0", *CELL, "X-40 Y0"]
