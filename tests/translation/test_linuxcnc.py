@@ -50,6 +50,7 @@ UNPROVEN = {
     "raster-surface": "the angle of a filter of corners (R)",
     "turning-diameter": "diameters of a lathe",
     "router-atc/hinge-plates": "M6 stops the spindle",
+    "rotary-mill/keyways": "the zero of C that is left",
 }
 """Jobs that are written and not proven, and why."""
 
