@@ -166,6 +166,13 @@ def test_a_wrong_translation_is_never_written(
     assert json.loads(done.out)["written"] == []
 
 
+def test_a_difference_in_offsets_alone_says_so(folder: Path) -> None:
+    """A McuWIN machine without a file may have a tool table with lengths in force (2.7)."""
+    done = translate(folder, to="mcuwin")
+    assert done.exit in (1, 2) and untouched(folder)
+    assert "the offsets or tool lengths that they count from are not" in done.err
+
+
 # ---- 2
 
 
@@ -179,6 +186,13 @@ def test_a_construct_that_the_target_lacks_is_refused(folder: Path) -> None:
     report = json.loads(translate(folder, "--format", "json", to="grbl", job="mist.cnc").out)
     assert (report["verdict"], report["written"], report["moves"]) == ("UNKNOWN", [], None)
     assert [(one["code"], one["line"]) for one in report["findings"]] == [("GP703", 7)]
+
+
+def test_a_job_with_a_mistake_is_not_translated(folder: Path) -> None:
+    (folder / "mist.cnc").write_text(JOB.replace("X10 Y20", "X[10 Y20"), encoding="utf-8")
+    done = translate(folder, "--allow-unproven", "--partial", job="mist.cnc")
+    assert done.exit == 2 and "mist.cnc:4:" in done.err and untouched(folder)
+    assert done.out == "mist.cnc: not translated to LinuxCNC: nothing was written\n"
 
 
 def test_allow_unproven_writes_nothing_of_a_refused_job(folder: Path) -> None:

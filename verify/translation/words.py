@@ -87,7 +87,9 @@ def _places(numbers: tuple[float, ...]) -> str:
     if len(numbers) != 2 * len(_AXES):
         return ""
     sides = numbers[: len(_AXES)], numbers[len(_AXES) :]
-    apart = [k for k, (a, b) in enumerate(zip(*sides, strict=True)) if a != b] or [0]
+    apart = [k for k, (a, b) in enumerate(zip(*sides, strict=True)) if a != b]
+    if not apart:
+        return "the numbers are the same, the offsets or tool lengths that they count from are not"
     return " and ".join(" ".join(f"{_AXES[k]}{side[k]:.4f}" for k in apart) for side in sides)
 
 
