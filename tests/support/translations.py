@@ -36,6 +36,15 @@ def targets_of(dialect: str) -> list[str]:
     return [name for name in TARGETS if name != dialect]
 
 
+SHOP = {
+    "CNC.MAC": "M3=M11C2\nM4=M11C1\nM5=M98 REST.MAC\nM6=M98 CHANGE.MAC\nM7=M11C4\nM8=M11C3\nM9=M98 DRY.MAC\n",
+    "REST.MAC": "M12C1\nM12C2\n",
+    "DRY.MAC": "M12C3\nM12C4\n",
+    "CHANGE.MAC": "G53 Z0\nG4 [put it in]\nL101 T{t}\n",
+}
+"""A shop with WinCNC that has what the jobs use: the spindle both ways, mist and flood, a tool change by hand."""
+
+
 @cache
 def _machines() -> Path:
     """A folder with a machine of each controller that needs files of its own."""
@@ -44,6 +53,8 @@ def _machines() -> Path:
         (folder / dialect).mkdir()
         for name, data in machine_files(dialect).items():
             (folder / dialect / name).write_bytes(data)
+    for name, commands in SHOP.items():
+        (folder / "wincnc" / name).write_text(commands)
     return folder
 
 
