@@ -28,7 +28,7 @@ class RunRefused(Exception):
 
 
 @record(frozen=True, slots=True, kw_only=True)
-class Job:
+class CertifiedJob:
     """name: the source file; certificate: SHA-256 of the certificate's body; the rest is what it certifies.
 
     accepted: why it may run (``record_data.TRUSTED`` …); signer: the public key that signed it, in base64, or nobody;
@@ -47,9 +47,9 @@ class Job:
     setup_at_hand: bool = False
 
 
-def job_of(package: Package) -> Job:
+def job_of(package: Package) -> CertifiedJob:
     """The parts of a package, believed as they are; for a package that shall run see ``checked_job``."""
-    return Job(
+    return CertifiedJob(
         name=str(package.body.get("job", package.path)),
         certificate=package.sha256,
         trace=package.trace,
@@ -59,7 +59,7 @@ def job_of(package: Package) -> Job:
     )
 
 
-def job_from(package: Package, start: Sequence[int]) -> Job:
+def job_from(package: Package, start: Sequence[int]) -> CertifiedJob:
     """The same where the motors started at these steps, which are the measured offsets' doing where there are any."""
     job, moved = job_of(package), moved_to(package, start)
     return job if moved is None else replace(job, trace=moved.trace, stream=moved.stream)
@@ -72,7 +72,7 @@ def checked_job(
     setup: Setup | None = None,
     trusted_keys: Trusted = None,
     allow_untrusted: bool = False,
-) -> Job:
+) -> CertifiedJob:
     """The parts of a package that holds here and now; RunRefused with all findings otherwise.
 
     machine, setup, trusted_keys: as for ``check_package``; allow_untrusted: that nobody trusted has signed it (GP827)

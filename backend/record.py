@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gproof.backend.boards.board import Observed
-from gproof.backend.job import Job, job_from
+from gproof.backend.job import CertifiedJob, job_from
 from gproof.backend.record_data import ExecutionRecord, Result, SectionRecord
 from gproof.backend.record_parse import parse_record, read_record
 from gproof.backend.retime import Spacing, retime, slow_map
@@ -29,7 +29,7 @@ def verify_record(record: ExecutionRecord, package: Package) -> list[Finding]:
     return [codes.RECORD_MISMATCH.at(place, what=what) for what in problems(record, job_from(package, record.start))]
 
 
-def problems(record: ExecutionRecord, job: Job) -> Iterator[str]:
+def problems(record: ExecutionRecord, job: CertifiedJob) -> Iterator[str]:
     """What does not fit, as sentences; none when the record is one that running the job can give."""
     stream = job.stream
     if record.certificate != job.certificate:
@@ -72,7 +72,7 @@ def _seen(observed: Observed) -> str:
     return f"{sum(observed.overlaps)} pulses, {sum(observed.setups)} direction changes"
 
 
-def _order(record: ExecutionRecord, job: Job) -> Iterator[str]:
+def _order(record: ExecutionRecord, job: CertifiedJob) -> Iterator[str]:
     """Sections follow the edges that were taken, and the result says how it ended."""
     expected = 0
     over = False
@@ -104,7 +104,7 @@ def _edge(section: SectionRecord) -> tuple[str, str, int]:
     return section.wait, section.answer, section.target
 
 
-def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], job: Job) -> Iterator[str]:
+def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], job: CertifiedJob) -> Iterator[str]:
     """Steps, position and events of one section."""
     where = f"section {done.number}"
     if at != planned.start:
@@ -136,7 +136,7 @@ def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], j
         yield f"{where}: {len(done.events)} events were executed, which are not the {len(events)} of the stream"
 
 
-def sent(done: SectionRecord, planned: StreamSection, job: Job) -> StreamSection:
+def sent(done: SectionRecord, planned: StreamSection, job: CertifiedJob) -> StreamSection:
     """The section as it was sent, made again from the record's retimings; ValueError when they make none."""
     section = planned
     for change in done.retimings:

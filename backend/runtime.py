@@ -28,7 +28,7 @@ from gproof.backend.boards.board import (
 from gproof.backend.control import Control
 from gproof.backend.feed import Words
 from gproof.backend.interrupts import interrupts
-from gproof.backend.job import Job, RunRefused, checked_job
+from gproof.backend.job import CertifiedJob, RunRefused, checked_job
 from gproof.backend.journal import Notes
 from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
 from gproof.backend.record_data import (
@@ -141,7 +141,7 @@ def run(
 
 
 def walk(
-    job: Job,
+    job: CertifiedJob,
     board: Board,
     *,
     operator: Operator | None = None,
@@ -173,7 +173,7 @@ def walk(
 class _Walk:
     """The section graph, one section after the other."""
 
-    def __init__(self, job: Job, board: Board, operator: Operator, control: Control) -> None:
+    def __init__(self, job: CertifiedJob, board: Board, operator: Operator, control: Control) -> None:
         self.job = job
         self.board = board
         self.operator = operator
@@ -499,7 +499,7 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
     )
 
 
-def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
+def _unfit(job: CertifiedJob, is_: Capabilities) -> Iterator[Finding]:
     """Why a board cannot run a job."""
     where = Span(job.name, 0)
     if is_.name != VIRTUAL:

@@ -16,7 +16,7 @@ from gproof.cli.telling import tell, tell_findings_of
 from gproof.driver.conclude import Asked, conclude, with_options
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
-from gproof.driver.jobs import Job
+from gproof.driver.jobs import ListedJob
 from gproof.driver.outcome import Outcome
 from gproof.driver.policy import load_policy
 from gproof.driver.session import Running
@@ -51,7 +51,7 @@ class _Text(io.StringIO):
         return self._tty
 
 
-def judge_one(job: Job, how: How) -> Outcome:
+def judge_one(job: ListedJob, how: How) -> Outcome:
     """Judge a job; one that cannot be judged is an outcome too."""
     from gproof.driver.session import open_session
     from gproof.report.summary import print_brief, report_for_people, report_json
@@ -76,7 +76,7 @@ def judge_one(job: Job, how: How) -> Outcome:
     )  # fmt: skip
 
 
-def _asked(job: Job, asked: Asked) -> Asked:
+def _asked(job: ListedJob, asked: Asked) -> Asked:
     """What is asked of a job: a policy of the command line goes before that of its job file; ``also`` and ``strict``
     add up."""
     asked = replace(asked, strict=asked.strict or job.strict)
@@ -90,7 +90,7 @@ def _asked(job: Job, asked: Asked) -> Asked:
     return replace(asked, policy=policy)
 
 
-def judge_all(jobs: Sequence[Job], how: How, workers: int | None) -> Iterator[Outcome]:
+def judge_all(jobs: Sequence[ListedJob], how: How, workers: int | None) -> Iterator[Outcome]:
     """The outcome of each job, in order, as soon as it and those before it are there.
 
     workers: processes at most; None: as many as there are processors, where the jobs are worth it.
@@ -124,7 +124,7 @@ def judge_all(jobs: Sequence[Job], how: How, workers: int | None) -> Iterator[Ou
                 future.cancel()
 
 
-def _workers(jobs: Sequence[Job]) -> int:
+def _workers(jobs: Sequence[ListedJob]) -> int:
     size = 0
     for job in jobs:
         with contextlib.suppress(OSError):

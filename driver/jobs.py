@@ -24,7 +24,7 @@ HEAD = 1000
 
 
 @record(frozen=True, slots=True, kw_only=True)
-class Job:
+class ListedJob:
     """A job and what it is judged with.
 
     also: properties requested beyond the policy's; strict: a SAFE with conditions counts as UNKNOWN; source: the job
@@ -44,14 +44,14 @@ class Job:
 def find_jobs(
     names: Sequence[str], tell: Tell, *, machine: Path | None, setup: str | None, dialect: str | None,
     exclude: Sequence[str] = (),
-) -> list[Job]:  # fmt: skip
+) -> list[ListedJob]:  # fmt: skip
     """The jobs that are meant, each once, in the order of the names and by path within one.
 
     What the command line states goes before what a job file says. UsageError for a name that is no file, for a
     pattern or folder with no job in it, and for a job file with an error. tell: takes the findings of each job file
     that can be used all the same.
     """
-    found: dict[tuple[Path, Path | None], Job] = {}
+    found: dict[tuple[Path, Path | None], ListedJob] = {}
     for name in names:
         for job in _of_name(name, tell):
             if any(job.path.match(pattern) for pattern in exclude):
@@ -77,7 +77,7 @@ def is_several(names: Sequence[str]) -> bool:
     return len(names) != 1 or is_pattern or path.is_dir() or _is_job_file(path)
 
 
-def _of_name(name: str, tell: Tell) -> Iterator[Job]:
+def _of_name(name: str, tell: Tell) -> Iterator[ListedJob]:
     path = Path(name)
     if not name:
         raise UsageError("the name of a job is empty")
@@ -90,13 +90,13 @@ def _of_name(name: str, tell: Tell) -> Iterator[Job]:
         if _is_job_file(path):
             yield from read_job_file(path, tell)
         else:
-            yield Job(path=path)
+            yield ListedJob(path=path)
     else:
         files = sorted(Path(one) for one in glob.glob(name, recursive=True) if Path(one).is_file())
         if not files:
             raise UsageError(f"{name}: no file matches this pattern")
         for file in files:
-            yield from read_job_file(file, tell) if _is_job_file(file) else [Job(path=file)]
+            yield from read_job_file(file, tell) if _is_job_file(file) else [ListedJob(path=file)]
 
 
 def _extensions() -> set[str]:
@@ -109,9 +109,9 @@ def _never() -> set[str]:
     return {name for one in frontends() for name in one.never}
 
 
-def _in_folder(folder: Path, tell: Tell) -> Iterator[Job]:
+def _in_folder(folder: Path, tell: Tell) -> Iterator[ListedJob]:
     """Job files of a folder and those below it, and programs of which no job file speaks; nothing that is hidden."""
-    told: list[Job] = []
+    told: list[ListedJob] = []
     programs: list[Path] = []
     wanted, never = _extensions(), _never()
     for path in sorted(folder.rglob("*")):
@@ -123,7 +123,7 @@ def _in_folder(folder: Path, tell: Tell) -> Iterator[Job]:
             programs.append(path)
     known = {job.path.resolve() for job in told}
     yield from told
-    yield from (Job(path=path) for path in programs if path.resolve() not in known)
+    yield from (ListedJob(path=path) for path in programs if path.resolve() not in known)
 
 
 def _is_job_file(path: Path) -> bool:
@@ -140,7 +140,7 @@ def _is_job_file(path: Path) -> bool:
         return False
 
 
-def read_job_file(path: Path, tell: Tell) -> list[Job]:
+def read_job_file(path: Path, tell: Tell) -> list[ListedJob]:
     """The jobs of a job file; docs/job-files.md defines the keys. UsageError, with its findings, for a bad one.
 
     tell: takes those of one that can be used all the same.
@@ -149,9 +149,9 @@ def read_job_file(path: Path, tell: Tell) -> list[Job]:
     findings = Findings()
     file = TomlFile(path, SCHEMA, findings)
     root = file.root
-    jobs: list[Job] = []
+    jobs: list[ListedJob] = []
     if root is not None:
-        defaults = _settings(root, path, Job(path=path, source=path))
+        defaults = _settings(root, path, ListedJob(path=path, source=path))
         for name in _names(root):
             jobs += _named(root, "job", path, name, defaults)
         for table in root.tables("jobs"):
@@ -178,7 +178,7 @@ def _names(table: TomlTable) -> list[str]:
     return list(names)
 
 
-def _named(table: TomlTable, key: str, source: Path, name: str, settings: Job) -> list[Job]:
+def _named(table: TomlTable, key: str, source: Path, name: str, settings: ListedJob) -> list[ListedJob]:
     """The files of a path or pattern, seen from the folder of the job file."""
     folder = source.parent
     if "\0" in name:
@@ -200,7 +200,7 @@ def _matching(pattern: str, folder: Path) -> list[str]:
         return []
 
 
-def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
+def _also(table: TomlTable, base: ListedJob) -> tuple[str, ...]:
     """``also = ["cutting"]``: names of properties, or "all"."""
     value = table.take("also")
     if value is None:
@@ -214,7 +214,7 @@ def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
     return tuple(value)
 
 
-def _settings(table: TomlTable, source: Path, base: Job) -> Job:
+def _settings(table: TomlTable, source: Path, base: ListedJob) -> ListedJob:
     machine, setup, policy = table.text("machine"), table.text("setup"), table.text("policy")
     strict = table.boolean("strict")
     dialect = table.text("dialect", tuple(DIALECTS))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from backend.streams import FREQUENCY, events_of, machine, motors_of, planned
 
-from gproof.backend.job import Job
+from gproof.backend.job import CertifiedJob
 from gproof.ir.columns import Columns
 from gproof.ir.setup import ZERO
 from gproof.ir.stream import StepStream
@@ -30,7 +30,9 @@ def rows_of(points: list[tuple[float, ...]], ops: list[tuple[Op, float]], at: tu
     return Columns(TRACE_ROW, rows)
 
 
-def job(*ways: list[tuple[float, ...]], waits: tuple[Wait, ...] = (), axes: str = "xy", overrides: bool = True) -> Job:
+def job(
+    *ways: list[tuple[float, ...]], waits: tuple[Wait, ...] = (), axes: str = "xy", overrides: bool = True
+) -> CertifiedJob:
     """One section for each way (points from 0), joined by waits; every section ends switching the coolant."""
     of = machine(axes)
     trace = Trace(files=["job.cnc"], states=[State(overrides=overrides)])
@@ -57,4 +59,4 @@ def job(*ways: list[tuple[float, ...]], waits: tuple[Wait, ...] = (), axes: str 
     trace.verify()
     stream.verify()
     certificate = bytes(np.arange(32, dtype=np.uint8)).hex()
-    return Job(name="job.cnc", certificate=certificate, trace=trace, machine=of, setup=ZERO, stream=stream)
+    return CertifiedJob(name="job.cnc", certificate=certificate, trace=trace, machine=of, setup=ZERO, stream=stream)

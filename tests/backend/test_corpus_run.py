@@ -10,7 +10,7 @@ from corpus.jobs import all_jobs, compiled
 
 from gproof.backend import runtime
 from gproof.backend.boards.virtual import VirtualBoard
-from gproof.backend.job import Job
+from gproof.backend.job import CertifiedJob
 from gproof.backend.record import ExecutionRecord, Result, problems
 from gproof.backend.runs import expand, position_at
 from gproof.backend.runtime import Hold
@@ -27,7 +27,7 @@ ONCE = (
 """Of the other dialects, from the text to the board and no further."""
 
 
-def on_a_board(what: Job, **more):
+def on_a_board(what: CertifiedJob, **more):
     board = VirtualBoard.for_machine(what.machine, len(what.stream.motors))
     record = runtime.walk(what, board, **more)
     assert list(problems(record, what)) == []
@@ -35,7 +35,7 @@ def on_a_board(what: Job, **more):
     return record
 
 
-def check_end(what: Job, record: ExecutionRecord) -> None:
+def check_end(what: CertifiedJob, record: ExecutionRecord) -> None:
     """The motors stand where the trace ends, to less than a step, and have gone as far as the runs say."""
     last = record.sections[-1].number
     section = what.trace.sections[last]
@@ -47,7 +47,7 @@ def check_end(what: Job, record: ExecutionRecord) -> None:
         assert record.steps[place] == sum(int(one["count"].sum()) for one in runs)
 
 
-def check(what: Job, seed: int, rounds: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def check(what: CertifiedJob, seed: int, rounds: int, monkeypatch: pytest.MonkeyPatch) -> None:
     chance = random.Random(seed)
     asked: Counter[bool] = Counter()
     accept = runtime._Walk._accept

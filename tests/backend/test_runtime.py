@@ -19,7 +19,7 @@ from gproof.backend import runtime
 from gproof.backend.boards.board import BoardError
 from gproof.backend.boards.virtual import HostDelay, VirtualBoard
 from gproof.backend.control import Control
-from gproof.backend.job import Job
+from gproof.backend.job import CertifiedJob
 from gproof.backend.operators import AutoContinue, HoldRequest, RefuseAll, WaitRequest
 from gproof.backend.record import Result, parse_record, problems
 from gproof.backend.runtime import Hold, RunFailed, RunRefused
@@ -42,7 +42,7 @@ class Tap(VirtualBoard):
             self.seen[motor] += runs.rows()
 
 
-def run(what: Job, board: VirtualBoard, **more):
+def run(what: CertifiedJob, board: VirtualBoard, **more):
     """``runtime.run`` past the package, and the record read back and compared."""
     walk = runtime.walk(what, board, **more)
     assert parse_record(walk.to_json()) == walk

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from corpus.expectations import CORPUS, SUFFIX, expectation, jobs
 
-from gproof.backend.job import Job
+from gproof.backend.job import CertifiedJob
 from gproof.driver.pipeline import Lowered, lower
 from gproof.driver.session import Running, Session, open_session
 from gproof.ir.verdict import Verdict
@@ -44,14 +44,14 @@ def lowered(name: str) -> tuple[Session, Lowered]:
     return session, lower(session, Running(1_000_000), "stream")
 
 
-def compiled(name: str) -> Job | None:
+def compiled(name: str) -> CertifiedJob | None:
     """None: there is no stream that the validator accepts (offsets that nobody stated, say)."""
     session, stages = lowered(name)
     if stages.stream is None:
         return None
     if validate(stages.stream, stages.trace, session.machine, session.setup).verdict is not Verdict.SAFE:
         return None
-    return Job(
+    return CertifiedJob(
         name=name.rsplit("/", maxsplit=1)[-1],
         certificate="00" * 32,
         trace=stages.trace,
