@@ -134,5 +134,5 @@ def at_zero(setup: Setup, dialect: str, seed: int) -> Setup:
         setup = replace(setup, g92={axis: places[1, axis] for axis in AXIS_NAMES})
     return replace(
         setup, work=places, start={axis: Interval(0.0, 0.0) for axis in AXIS_NAMES}, default_offset=0.0,
-        default_start=0.0,
+        default_start=0.0, tool_lengths={number: Interval(*(2 * [10.0 + number])) for number in range(100)},
     )  # fmt: skip
