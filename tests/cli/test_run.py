@@ -32,6 +32,8 @@ max = 100
 steps_per_unit = 100
 max_velocity = 10
 max_acceleration = 100
+[controller]
+fifo_time = 2  # a machine that is busy otherwise must not run the board dry
 """
 JOB = "G21 G90\nG1 F300 X4\nM0\nG1 X0\nM30\n"
 LONG = "G21 G90\nG1 F300 X40\nM0\nG1 X90\nM30\n"
