@@ -1,0 +1,60 @@
+"""``gproof diff``: the same, another move, what is unknown, and wrong arguments."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from support.command import in_this_process
+
+JOB = "G21 G90 G54\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG1 X10 F300\nG4 P0.5\nG0 Z5\nM30\n"
+
+
+@pytest.fixture
+def shop(tmp_path: Path) -> Path:
+    (tmp_path / "a.cnc").write_text(JOB)
+    (tmp_path / "same.cnc").write_text("G21\n" + JOB.replace("X10 F300", "X5 F300\nX10"))
+    (tmp_path / "other.cnc").write_text(JOB.replace("X10", "X10.5"))
+    (tmp_path / "dwell.cnc").write_text(JOB.replace("P0.5", "P5"))
+    (tmp_path / "open.cnc").write_text(JOB.replace("X10", "X[#4001]"))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("second", "exit_code", "said"),
+    [
+        ("a.cnc", 0, "do the same"), ("same.cnc", 0, "do the same"), ("other.cnc", 1, "X10.0000 and X10.5000"),
+        ("dwell.cnc", 1, "dwell"), ("open.cnc", 2, "unknown"),
+    ],
+)  # fmt: skip
+def test_two_programs(shop: Path, second: str, exit_code: int, said: str) -> None:
+    done = in_this_process(["diff", "a.cnc", second], shop)
+    assert (done.exit, done.err) == (exit_code, "")
+    assert said in done.out
+
+
+def test_both_lines_are_below_one_another(shop: Path) -> None:
+    out = in_this_process(["diff", "a.cnc", "other.cnc"], shop).out
+    assert "    a.cnc:4: G1 X10 F300\n    other.cnc:4: G1 X10.5 F300\n" in out
+
+
+def test_json_and_a_picture(shop: Path) -> None:
+    done = in_this_process(["diff", "a.cnc", "other.cnc", "--format", "json", "--picture", "where.svg"], shop)
+    (found,) = json.loads(done.out)["differences"]
+    assert (found["first"]["line"], found["second"]["line"]) == (4, 4)
+    assert "<circle" in (shop / "where.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["diff", "a.cnc", "nope.cnc"], "no such file"), (["diff", "a.cnc"], "SECOND"),
+        (["diff", "a.cnc", "a.cnc", "--picture", "a.cnc"], "would overwrite an input"),
+        (["diff", "a.cnc", "a.cnc", "--tolerance", "-1"], "--tolerance"),
+    ],
+)  # fmt: skip
+def test_wrong_arguments(shop: Path, words: list[str], said: str) -> None:
+    done = in_this_process(words, shop)
+    assert (done.exit, done.out) == (3, "")
+    assert said in done.err
