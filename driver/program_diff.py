@@ -46,17 +46,12 @@ def program_diff(one: Side, other: Side, *, tolerance: float, running: Running) 
         open_session(side.job, machine=side.machine, setup=side.setup, dialect=side.dialect) for side in sides
     )
     done = ProgramDiff(sessions=(first, second))
-    traces = []
+    programs = []
     for session in done.sessions:
         if session.program is None:
             raise UsageError(f"{session.job}: cannot be read", session.findings)
-        own = Findings()
-        program = own_devices(session.program, done.assumed)
-        traces.append(trace_of(program, session.setup, session.machine, own, running, session))
-        for finding in (*session.findings.kept, *own.kept):
-            if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
-                done.findings.add(finding)
-    done.traces = traces[0], traces[1]
+        programs.append(own_devices(session.program, done.assumed))
+        _keep(done, session.findings)
     rules = [session.program.rules for session in done.sessions if session.program is not None]
     outputs = [session.program.spindle_outputs for session in done.sessions if session.program is not None]
     terms = TranslationTerms(
@@ -64,9 +59,32 @@ def program_diff(one: Side, other: Side, *, tolerance: float, running: Running) 
         feed_relative=1e-6, seconds=1e-6, source_outputs=outputs[0], target_outputs=outputs[1],
         source_straight=rules[0].straight_traverse, target_straight=rules[1].straight_traverse, rapids_assumed=True,
     )  # fmt: skip
-    done.comparison = compare(*done.traces, terms)
-    done.assumed += [one for one in done.comparison.assumptions if one not in done.assumed]
-    done.verdict = done.comparison.verdict
+    for switch in _switches(done.sessions):
+        traces = []
+        for program, session in zip(programs, done.sessions, strict=True):
+            own = Findings()
+            traces.append(trace_of(program, session.setup, session.machine, own, running, session, block_delete=switch))
+            _keep(done, own)
+        done.traces = traces[0], traces[1]
+        done.comparison = compare(*done.traces, terms)
+        done.assumed += [one for one in done.comparison.assumptions if one not in done.assumed]
+        done.verdict = done.comparison.verdict
+        if done.verdict is not Verdict.SAFE:
+            break
     if done.verdict is Verdict.SAFE and len(done.findings.kept):
         done.verdict = Verdict.UNKNOWN
     return done
+
+
+def _keep(done: ProgramDiff, findings: Findings) -> None:
+    """Mistakes and unknowns of one side."""
+    for finding in findings.kept:
+        if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
+            done.findings.add(finding)
+
+
+def _switches(sessions: tuple[Session, Session]) -> tuple[bool | None, ...]:
+    """Positions of the switch for block delete: both, where a setup does not state it and a line may have a slash."""
+    open_ = any(session.setup.block_delete is None for session in sessions)
+    files = [file for session in sessions if session.program is not None for file in session.program.files]
+    return (False, True) if open_ and any(b"/" in bytes(file.data) for file in files) else (None,)

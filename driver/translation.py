@@ -112,24 +112,22 @@ def translate(wanted: Wanted) -> Translation:
     if legal.refused and not wanted.partial:
         return done
     job = before_refusal(legal) if legal.refused else legal.job
-    styles = [given.styled(target.style)]
-    exact = replace(
-        styles[0], decimals_mm=EXACT_DECIMALS, decimals_inch=EXACT_DECIMALS, decimals_deg=EXACT_DECIMALS,
-        decimals=EXACT_DECIMALS,
-    )  # fmt: skip
+    style = given.styled(target.style)
     if wanted.exact:
-        styles = [exact]
+        style = replace(
+            style, decimals_mm=EXACT_DECIMALS, decimals_inch=EXACT_DECIMALS, decimals_deg=EXACT_DECIMALS,
+            decimals=EXACT_DECIMALS,
+        )  # fmt: skip
     done.partial = bool(legal.refused)
-    for style in styles:
-        try:
-            done.files = entry.write(job, target, machine_to, style)
-        except Unprintable as error:
-            span = Span(str(wanted.job), 1)
-            why = "it has no text for it"
-            done.findings.add(codes.NOT_TRANSLATED.at(span, construct=str(error), target=target.title, why=why))
-            return done
-        if not done.partial:
-            prove(done, machine_to, wanted, style)
+    try:
+        done.files = entry.write(job, target, machine_to, style)
+    except Unprintable as error:
+        span = Span(str(wanted.job), 1)
+        why = "it has no text for it"
+        done.findings.add(codes.NOT_TRANSLATED.at(span, construct=str(error), target=target.title, why=why))
+        return done
+    if not done.partial:
+        prove(done, machine_to, wanted, style)
     return done
 
 
@@ -220,9 +218,11 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
     source = trace_of(
         own_devices(session.program, done.assumed), session.setup, session.machine, own, wanted.running, session
     )
-    for finding in own.kept:
+    for finding in (*session.findings.kept, *own.kept):
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
+    if session.setup.parameters:
+        done.assumed.append("variables that the job reads and does not set have the values of the setup file")
     read = Findings()
     if TARGETS[wanted.to].read is not None:
         target = _read_by_verify(done, machine, wanted)

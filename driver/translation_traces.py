@@ -37,7 +37,8 @@ DEVICES = frozenset((
 def own_devices(program: Program, assumed: list[str]) -> Program:
     """The program without its machine's macros for tool changes, spindle and coolant: each machine has its own."""
     plain = DIALECTS[program.dialect].frontend.plain_devices(program)
-    if any(one is not two and one != two for one, two in zip(plain.body, program.body, strict=True)):
+    pairs = ((plain.body, program.body), *((plain.subprograms[n].body, s.body) for n, s in program.subprograms.items()))
+    if any(one is not two and one != two for new, old in pairs for one, two in zip(new, old, strict=True)):
         text = "what each machine's own macros do besides at a tool change, spindle or coolant code is right"
         if text not in assumed:
             assumed.append(text)
@@ -57,14 +58,15 @@ def own_devices(program: Program, assumed: list[str]) -> Program:
 
 
 def trace_of(
-    program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session
+    program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session,
+    *, block_delete: bool | None = None,
 ) -> Trace:  # fmt: skip
-    """The trace for any work zero."""
+    """The trace for any work zero. block_delete: None: as the setup of the session states it, off where it does not."""
     machine = replace(
         machine, controller=replace(machine.controller, auto_tool_change=False),
         settings=replace(machine.settings, zero_offsets=None),
     )  # fmt: skip
     return execute(
         program, any_zero(setup, program), machine, findings, **session.options(running),
-        block_delete=bool(session.setup.block_delete),
+        block_delete=bool(session.setup.block_delete if block_delete is None else block_delete),
     )  # fmt: skip

@@ -34,6 +34,19 @@ def test_two_programs(shop: Path, second: str, exit_code: int, said: str) -> Non
     assert said in done.out
 
 
+def test_block_delete_is_compared_in_both_positions(shop: Path) -> None:
+    (shop / "slash.cnc").write_text(JOB.replace("G4 P0.5", "G4 P0.5\n/G0 X99"))
+    (shop / "on.toml").write_text('schema = "gproof-setup/1"\nblock_delete = true\n')
+    done = in_this_process(["diff", "slash.cnc", "a.cnc"], shop)
+    assert done.exit == 1
+    both = JOB.replace("G4 P0.5", "/G4 P0.5")
+    (shop / "left.cnc").write_text(both)
+    (shop / "right.cnc").write_text(JOB)
+    assert in_this_process(["diff", "left.cnc", "right.cnc"], shop).exit == 1
+    stated = ["--setup", "on.toml", "--setup-to", "on.toml"]
+    assert in_this_process(["diff", "slash.cnc", "a.cnc", *stated], shop).exit == 0
+
+
 def test_both_lines_are_below_one_another(shop: Path) -> None:
     out = in_this_process(["diff", "a.cnc", "other.cnc"], shop).out
     assert "    a.cnc:4: G1 X10 F300\n    other.cnc:4: G1 X10.5 F300\n" in out

@@ -156,7 +156,9 @@ def _for_the_peer() -> list[CorpusJob]:
 def test_linuxcnc_makes_the_same_moves(job: CorpusJob, peer: None) -> None:
     done = translated(job, "linuxcnc", exact=True)
     if done.verdict is not Verdict.SAFE:
-        return  # another test says why it is refused
+        # Which constructs those are, another test says; what is written and not proven has no place here.
+        assert {one.code.label for one in done.findings.kept} <= {"GP703"} or job.name in UNPROVEN
+        return
     session = open_session(job.job, machine=job.machine, setup=job.setup, dialect=job.dialect)
     with tempfile.TemporaryDirectory() as folder:
         theirs = without_rests(peer_moves(done.files[""], session, Path(folder)))
