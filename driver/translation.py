@@ -221,6 +221,8 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
     for finding in (*session.findings.kept, *own.kept):
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
+    if session.setup.active_work is None:
+        done.assumed.append("both programs start in the first work offset (G54), and without a local offset (G92)")
     if session.setup.parameters:
         done.assumed.append("variables that the job reads and does not set have the values of the setup file")
     read = Findings()
