@@ -18,7 +18,7 @@ from gproof.driver.targets import TARGETS
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
 from gproof.ir.dialects import rules_named
-from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
@@ -34,7 +34,7 @@ from gproof.passes.legalize.context import Lowered, Options
 from gproof.passes.legalize.legalize import Legal, before_refusal, legalize
 from gproof.verify.translation.compare import compare
 from gproof.verify.translation.comparison import Comparison, Divergence
-from gproof.verify.translation.words import sentence, where
+from gproof.verify.translation.words import sentence
 
 EXACT_DECIMALS = 12
 """Decimals with ``exact``: more than a double has of millimetres."""
@@ -67,13 +67,14 @@ class Wanted:
 @record(slots=True, kw_only=True)
 class Translation:
     """How it went. verdict: SAFE where ``files`` is proven to be the same job; files: text by name, "" for the job's
-    own, empty where it is refused; lowered: patterns used; comparison: None where nothing was compared; partial: the
-    files end before the first construct that is refused."""
+    own, empty where it is refused; kept: how often the job has each feature that stays as it is; lowered: patterns used; comparison: None where nothing was compared; partial: the
+    files end before the first construct that is refused; chord_tolerance: mm."""
 
     session: Session
     target: Target
     verdict: Verdict
     files: dict[str, bytes] = field(default_factory=dict)
+    kept: dict[str, int] = field(default_factory=dict)
     lowered: list[Lowered] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
     findings: Findings = field(default_factory=Findings)
@@ -81,6 +82,7 @@ class Translation:
     map: TranslationMap = NO_MAP
     partial: bool = False
     spare_used: bool = False
+    chord_tolerance: float = 0.0
 
 
 def translate(wanted: Wanted) -> Translation:
@@ -90,7 +92,9 @@ def translate(wanted: Wanted) -> Translation:
     session = open_session(wanted.job, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect)
     entry = TARGETS[wanted.to]
     target = entry.target()
-    done = Translation(session=session, target=target, verdict=Verdict.UNKNOWN)
+    done = Translation(
+        session=session, target=target, verdict=Verdict.UNKNOWN, chord_tolerance=wanted.chord_tolerance
+    )  # fmt: skip
     if session.program is None or session.findings.has(Severity.ERROR):
         for finding in session.findings.kept:
             done.findings.add(finding)
@@ -101,7 +105,7 @@ def translate(wanted: Wanted) -> Translation:
     given = wanted.given or map_in(wanted.map)
     legal = legal_job(session, target, machine_to, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
-    done.spare_used = legal.spare_used
+    done.spare_used, done.kept = legal.spare_used, dict(legal.kept)
     for refused in legal.refused:
         tried = f"tried: {'; '.join(refused.tried)}" if refused.tried else ""
         done.findings.add(
@@ -247,10 +251,12 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
 def _conclude(done: Translation, comparison: Comparison, wanted: Wanted) -> None:
     """Keep what the comparison says."""
     done.comparison = comparison
-    for found in comparison.differences:
-        done.findings.add(codes.TRANSLATION_DIFFERS.at(_span(found, wanted.job), what=_what(found)))
-    for found in comparison.unknown:
-        done.findings.add(codes.TRANSLATION_OPEN.at(_span(found, wanted.job), what=_what(found, is_open=True)))
+    for code, divergences in (
+        (codes.TRANSLATION_DIFFERS, comparison.differences), (codes.TRANSLATION_OPEN, comparison.unknown)
+    ):  # fmt: skip
+        for found in divergences:
+            what = sentence(found, is_open=code is codes.TRANSLATION_OPEN)
+            done.findings.add(replace(code.at(_span(found, wanted.job), what=what), related=_printed_line(done, found)))
     done.assumed += [one for one in comparison.assumptions if one not in done.assumed]
     if done.findings.has(Severity.ERROR):
         done.verdict = Verdict.UNSAFE
@@ -291,14 +297,14 @@ def _read_back(
 
 def _also(done: Translation, findings: Findings, folder: Path) -> None:
     """Mistakes and unknowns of the printed program are those of the translation."""
+
+    def named(span: Span) -> Span:
+        return replace(span, file=span.file.removeprefix(f"{folder}/"))
+
     for finding in findings.kept:
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
-            span = replace(finding.span, file=finding.span.file.removeprefix(f"{folder}/"))
-            done.findings.add(_moved(finding, span))
-
-
-def _moved(finding: Finding, span: Span) -> Finding:
-    return replace(finding, span=span)
+            related = tuple(replace(one, span=named(one.span)) for one in finding.related)
+            done.findings.add(replace(finding, span=named(finding.span), related=related))
 
 
 def _span(found: Divergence, job: Path) -> Span:
@@ -306,9 +312,14 @@ def _span(found: Divergence, job: Path) -> Span:
     return Span(str(job), 1) if place is None else Span(place[0], max(1, place[1]))
 
 
-def _what(found: Divergence, *, is_open: bool = False) -> str:
-    other = where(found.target)
-    return f"{sentence(found, is_open=is_open)} ({Path(other).name})" if other else sentence(found, is_open=is_open)
+def _printed_line(done: Translation, found: Divergence) -> tuple[Related, ...]:
+    """The line of what was printed, which may be in no file."""
+    if found.target is None:
+        return ()
+    name, line = Path(found.target[0]).name, found.target[1]
+    rows = done.files.get(name, done.files.get("", b"")).split(b"\n")
+    text = rows[line - 1].decode("utf-8", "replace").strip() if 0 < line <= len(rows) else ""
+    return (Related(Span(name, line), f"here the translation has: {text}"),)
 
 
 def terms_of(

@@ -6,10 +6,19 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gproof.ir.target import FEATURES
 from gproof.ir.verdict import Verdict
 
 if TYPE_CHECKING:
     from gproof.driver.translation import Translation
+
+
+CHORDS = "arc -> chords"
+
+
+def _kept(done: Translation) -> list[tuple[str, int]]:
+    """(construct, times), what the target has as it is, in the order of the table of features."""
+    return [(text, done.kept[name]) for name, text in FEATURES.items() if name in done.kept]
 
 
 def _patterns(done: Translation) -> list[tuple[str, int, int]]:
@@ -33,8 +42,11 @@ def summary_lines(done: Translation, job: Path, output: Path, *, written: bool) 
     else:
         head = f"{job}: not translated to {title}: nothing was written"
     lines = [head]
+    if done.kept:
+        lines.append(f"  kept: {', '.join(f'{text} ({count})' for text, count in _kept(done))}")
     for name, line, count in _patterns(done):
-        lines.append(f"  rewritten: {name} ({count} time{'s' if count > 1 else ''}, first in line {line})")
+        within = f", within {done.chord_tolerance:g} mm" if name == CHORDS else ""
+        lines.append(f"  rewritten: {name} ({count} time{'s' if count > 1 else ''}, first in line {line}{within})")
     lines += [f"  assumed: {text}" for text in done.assumed]
     if done.comparison is not None and done.verdict is Verdict.SAFE:
         mm, degrees = done.comparison.drift
@@ -72,6 +84,7 @@ def translation_json(done: Translation, output: Path, *, written: bool) -> dict[
         "verdict": done.verdict.value,
         "target": done.target.name,
         "written": [str(output.parent / name if name else output) for name in done.files] if written else [],
+        "kept": [{"construct": text, "times": count} for text, count in _kept(done)],
         "rewritten": [{"pattern": name, "line": line, "times": count} for name, line, count in _patterns(done)],
         "assumed": done.assumed,
         "findings": [

@@ -8,6 +8,7 @@ construct is refused with its line and the patterns that were tried.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -44,6 +45,7 @@ from gproof.ir.program import Binary, Number, Unary
 from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
 from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
+from gproof.passes.legalize.kept import count_kept
 from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.patterns.constants import fold
 from gproof.passes.legalize.registry import PATTERNS
@@ -72,13 +74,14 @@ class NotLegal:
 @record(slots=True, kw_only=True)
 class Legal:
     """job: everything is legal in it but what is ``refused``, of which it has marks; spare_used: the spare work offset
-    of the target holds zeros in machine places."""
+    of the target holds zeros in machine places; kept: how often the source has each feature that stays as it is."""
 
     job: Job
     lowered: list[Lowered] = field(default_factory=list)
     refused: list[NotLegal] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
     spare_used: bool = False
+    kept: Counter[str] = field(default_factory=Counter)
 
 
 def legalize(job: Job, target: Target, options: Options) -> Legal:
@@ -124,6 +127,7 @@ class _Legalizer:
             for feature in pattern.removes:
                 self.patterns.setdefault(feature, []).append(pattern)
         self.routines: dict[str, Routine] = {}
+        self.kept: Counter[str] = Counter()
 
     def run(self) -> Legal:
         """The body first: it says which routines stay."""
@@ -143,7 +147,7 @@ class _Legalizer:
             legal.verify()
         return Legal(
             job=legal, lowered=self.context.lowered, refused=self.refused, assumed=list(self.context.assumed),
-            spare_used=self.context.spare_used,
+            spare_used=self.context.spare_used, kept=self.kept,
         )  # fmt: skip
 
     def _reached(self, body: Nodes) -> list[str]:
@@ -211,18 +215,21 @@ class _Legalizer:
     def body(self, nodes: Nodes) -> Nodes:
         """A list of operations, legal."""
         found: list[Node] = []
-        # With each operation whether its places are already those behind the transform in force.
-        rest = [(node, False) for node in reversed(nodes)]
+        # With each operation whether its places are already those behind the transform in force, and whether the
+        # source has it.
+        rest = [(node, False, True) for node in reversed(nodes)]
         while rest:
-            node, done = rest.pop()
+            node, done, own = rest.pop()
             if not done and self.context.transform != SAME and isinstance(node, _TURNED):
                 turned = self._turned(node)
                 if turned is None:
                     found.append(self._lost_to_transform(node))
                     continue
-                node, done = turned, True
+                node, done, own = turned, True, False
             missing = self.missing(node)
             if not missing:
+                if own:
+                    count_kept(node, self.kept)
                 inside = self._inside(node)
                 self.context.after(inside)
                 found.append(inside)
@@ -232,7 +239,7 @@ class _Legalizer:
                 found += self._lost(node, missing[0])
                 self.context.forget((node,))
             else:
-                rest += [(one, done) for one in reversed(instead)]
+                rest += [(one, done, False) for one in reversed(instead)]
         return tuple(found)
 
     def _turned(self, node: Node) -> Node | None:

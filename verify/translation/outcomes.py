@@ -9,6 +9,7 @@ from gproof.ir.trace import Edge, Trace, Wait
 from gproof.verify.translation.comparison import Comparison, divergence
 from gproof.verify.translation.sides import Side
 from gproof.verify.translation.stretches import Stretch, is_joint
+from gproof.verify.translation.words import facts, meanings
 
 __all__ = ["is_joint", "is_same_wait", "matched", "say_assumptions", "waits_agree", "ways_into"]
 
@@ -113,11 +114,8 @@ def say_assumptions(sides: tuple[Side, Side], result: Comparison) -> None:
         result.assume("at a stop that names a tool the operator puts in that tool")
     if any(side.polls for side in sides):
         result.assume("an input that a program reads again and again is noticed in time")
-    for name in sorted(terms.left_out):
-        result.assume(f"not compared, because one of the controllers does not have it: {name}")
-    for mine, side in ((terms.source, sides[0]), (terms.target, sides[1])):
-        for meaning in side.meanings.values():
-            text = " + ".join(f"{'' if n == 1 else f'{n} '}{symbol}" for symbol, n in meaning.form)
-            number = f"{meaning.mm:g}" if meaning.mm or not text else ""
-            is_what = " + ".join(part for part in (number, text) if part)
-            result.assume(f"{meaning.symbol} of the {mine} program is {is_what}")
+    if terms.left_out:
+        result.assume(f"not compared, because one of the controllers does not have it: {facts(terms.left_out)}")
+    for mine, side in (("source", sides[0]), ("target", sides[1])):
+        for text in meanings(mine, side.meanings.values(), terms.axes):
+            result.assume(text)

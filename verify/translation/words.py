@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from gproof.ir.trace import Op
+from gproof.ir.translation_terms import ROW_FACTS, SymbolMeaning
 from gproof.verify.translation.comparison import Divergence, Place
 
 DIFFERENT: dict[str, str] = {
@@ -60,6 +63,8 @@ OPEN: dict[str, str] = {
 
 _MOVES = {"TRAVERSE": "rapid move", "FEED": "feed move", "ARC": "arc", "PROBE": "probe move"}
 _AXES = "XYZABC"
+PLAIN_OFFSETS = 6
+"""Work offsets that are G54 to G59; those after them are G59.1 and so on."""
 
 
 def sentence(found: Divergence, *, is_open: bool = False) -> str:
@@ -91,6 +96,42 @@ def _places(numbers: tuple[float, ...]) -> str:
     if not apart:
         return "the numbers are the same, the offsets or tool lengths that they count from are not"
     return " and ".join(" ".join(f"{_AXES[k]}{side[k]:.4f}" for k in apart) for side in sides)
+
+
+def meanings(side: str, said: Iterable[SymbolMeaning], axes: frozenset[str]) -> list[str]:
+    """What unknowns of a side (``source`` or ``target``) are, a sentence for the axes of one kind together."""
+    found: dict[str, list[str]] = {}
+    for one in said:
+        name, _, axis = one.symbol.rpartition(".")
+        if axis not in axes:
+            continue
+        parts = [_symbol(symbol.rpartition(".")[0], times) for symbol, times in one.form]
+        number = [f"{one.mm:g} mm"] if one.mm or not parts else []
+        found.setdefault(f"{_symbol(name)} of the {side} program is {' and '.join(number + parts)}", []).append(axis)
+    linear = axes & set("xyz")
+    return [
+        text if linear <= set(of) or text.startswith("the length") else f"{text} ({', '.join(of).upper()})"
+        for text, of in found.items()
+    ]
+
+
+def facts(names: Iterable[str]) -> str:
+    """Names of ``left_out``, in words."""
+    said = {**ROW_FACTS, "table": "what is stored in the table of work offsets"}
+    return "; ".join(said.get(name, name) for name in sorted(names))
+
+
+def _symbol(name: str, times: float = 1) -> str:
+    """An unknown without its axis: ``g92``, ``work.2``, ``tool.3``."""
+    kind, _, number = name.partition(".")
+    if kind == "work":
+        code = f"G{53 + int(number)}" if int(number) <= PLAIN_OFFSETS else f"G59.{int(number) - PLAIN_OFFSETS}"
+        text = f"work offset {number} ({code})"
+    elif kind == "tool":
+        text = f"the length of tool {number}" if number != "0" else "the tool length in force at the start"
+    else:
+        text = {"g92": "the local offset (G92)"}.get(name, name)
+    return text if times == 1 else f"{times:g} times {text}"
 
 
 def where(place: Place | None) -> str:
