@@ -10,15 +10,16 @@ import click
 
 from gproof.driver.errors import UsageError
 from gproof.driver.files import require_file, require_place, write_bytes
-from gproof.driver.jobs import find_jobs
 from gproof.driver.session import open_session
 from gproof.driver.targets import TARGETS
-from gproof.driver.translation import Translation, Wanted, map_in, raised, translate, unused_entries
+from gproof.driver.translation import Translation, Wanted, map_in, raised, translate
+from gproof.driver.translation_folder import folder_programs, output_places
 from gproof.driver.translation_map import proposed, toml_of
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.verdict import Verdict, worst
 from gproof.report.text import print_findings
-from gproof.report.translation_text import markdown_of, summary_lines, translation_json
+from gproof.report.translation_folder import folder_json, folder_lines, folder_markdown
+from gproof.report.translation_text import TranslatedProgram, markdown_of, translated_program
 
 PROPOSE = "init"
 """In place of the file of ``--map``: print one instead of translating."""
@@ -34,7 +35,14 @@ def run_translate(wanted: Wanted, *, output: Path | None, allow_unproven: bool, 
         raise UsageError("-o FILE is missing: where to write the program")
     if wanted.job.is_dir():
         return _folder(wanted, output, allow_unproven=allow_unproven, form=form)
-    return _one(wanted, output, {}, allow_unproven=allow_unproven, form=form).exit_code
+    done = _one(wanted, output, {}, allow_unproven=allow_unproven)
+    if form == "text":
+        print_findings(done.found, err=True)
+    if form == "json":
+        click.echo(json.dumps(done.data, indent=2))
+    else:
+        click.echo(markdown_of(done) if form == "markdown" else "\n".join(done.lines))
+    return done.verdict.exit_code
 
 
 def _propose(wanted: Wanted) -> int:
@@ -53,26 +61,29 @@ def _folder(wanted: Wanted, output: Path, *, allow_unproven: bool, form: str) ->
     """Every program of a folder; files that several of them call are written once."""
     if output.exists() and not output.is_dir():
         raise UsageError(f"output {output}: is a file; for a folder of programs give a folder")
-    found = find_jobs(
-        [str(wanted.job)], _print_files, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect
-    )  # fmt: skip
-    given = map_in(wanted.map)
-    jobs = [
-        replace(wanted, job=job.path, machine=job.machine, setup=job.setup, dialect=job.dialect, several=True)
-        for job in found
-    ]  # fmt: skip
-    if given.given and jobs:
-        for table, number in sorted(set.intersection(*(unused_entries(one, given) for one in jobs))):
-            raise UsageError(f"map file {wanted.map}: [{table}] {number}: nothing in {wanted.job} needs it")
+    programs = folder_programs(wanted, _print_files)
+    if wanted.job.resolve() in (output.resolve(), *output.resolve().parents):
+        raise UsageError(f"output {output}: is in the folder that is translated; choose another one")
     output.mkdir(parents=True, exist_ok=True)
-    extension = given.styled(TARGETS[wanted.to].target().style).extension
+    extension = map_in(wanted.map).styled(TARGETS[wanted.to].target().style).extension
+    places = output_places(programs, wanted.job, output, extension)
     written: dict[Path, bytes] = {}
-    verdicts = []
-    for one in jobs:
-        place = output / one.job.relative_to(wanted.job).with_suffix(extension)
+    done: list[TranslatedProgram] = []
+    for one, place in zip(programs.jobs, places, strict=True):
         place.parent.mkdir(parents=True, exist_ok=True)
-        verdicts.append(_one(one, place, written, allow_unproven=allow_unproven, form=form))
-    return worst(verdicts).exit_code
+        others = {other.name: b"" for other in places if other.parent == place.parent and other != place}
+        beside = others | {path.name: text for path, text in written.items() if path.parent == place.parent}
+        done.append(_one(replace(one, beside=beside), place, written, allow_unproven=allow_unproven))
+        if form == "text":
+            print_findings(done[-1].found, err=True)
+            click.echo(done[-1].lines[0])
+    if form == "json":
+        click.echo(json.dumps(folder_json(done, programs.called), indent=2))
+    elif form == "markdown":
+        click.echo(folder_markdown(done, programs.called, wanted.job))
+    else:
+        click.echo("\n".join(folder_lines(done, programs.called)))
+    return worst(one.verdict for one in done).exit_code
 
 
 def _print_files(findings: Findings) -> None:
@@ -80,25 +91,16 @@ def _print_files(findings: Findings) -> None:
 
 
 def _one(
-    wanted: Wanted, output: Path, written: dict[Path, bytes], *, allow_unproven: bool, form: str
-) -> Verdict:  # fmt: skip
-    """One program; written: files of subprograms that earlier ones wrote."""
+    wanted: Wanted, output: Path, written: dict[Path, bytes], *, allow_unproven: bool
+) -> TranslatedProgram:  # fmt: skip
+    """One program; written: files of this and earlier ones."""
     require_place(output, "output", (wanted.job, wanted.machine, wanted.machine_to, wanted.setup, wanted.map))
     done = translate(wanted)
     open_ = done.verdict is Verdict.UNKNOWN and (allow_unproven or done.partial)
     writes = bool(done.files) and (done.verdict is Verdict.SAFE or open_)
-    if form == "text":
-        print_findings(done.findings, err=True)
     if writes:
         _write(done, wanted, output, written)
-    if form == "json":
-        click.echo(json.dumps(translation_json(done, output, written=writes), indent=2))
-    elif form == "markdown":
-        click.echo(markdown_of(done, wanted.job, output, written=writes), nl=False)
-    else:
-        for line in summary_lines(done, wanted.job, output, written=writes):
-            click.echo(line)
-    return done.verdict
+    return translated_program(done, wanted.job, output, written=writes)
 
 
 def _write(done: Translation, wanted: Wanted, output: Path, written: dict[Path, bytes]) -> None:
@@ -112,7 +114,7 @@ def _write(done: Translation, wanted: Wanted, output: Path, written: dict[Path, 
         note = f"{begin}{plain}{end}{done.map.styled(done.target.style).newline}"
     files = {output.parent / name if name else output: text for name, text in done.files.items()}
     for path, text in files.items():
-        if path != output and path.exists() and written.get(path) != text:
+        if path != output and path.exists() and written.get(path, path.read_bytes()) != text:
             raise UsageError(f"output {path}: exists; choose another folder for -o")
     for path, text in files.items():
         write_bytes(path, note.encode() + text if path == output else text, "output")

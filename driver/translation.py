@@ -46,7 +46,8 @@ ROUNDING = 1.02
 class Wanted:
     """What to translate: the arguments of ``gproof translate``. to: a key of TARGETS; machine, machine_to: files;
     given: a map, instead of the file ``map``; several: the map is that of several programs, so that an entry which this
-    one does not need is no mistake."""
+    one does not need is no mistake; beside: files by name that others of the programs call: one that this program calls
+    has another name, or is the same."""
 
     job: Path
     to: str
@@ -61,14 +62,16 @@ class Wanted:
     partial: bool = False
     straight_rapids: bool = False
     several: bool = False
+    beside: Mapping[str, bytes] = field(default_factory=dict)
     running: Running = Running()
 
 
 @record(slots=True, kw_only=True)
 class Translation:
     """How it went. verdict: SAFE where ``files`` is proven to be the same job; files: text by name, "" for the job's
-    own, empty where it is refused; kept: how often the job has each feature that stays as it is; lowered: patterns used; comparison: None where nothing was compared; partial: the
-    files end before the first construct that is refused; chord_tolerance: mm."""
+    own, empty where it is refused; kept: how often the job has each feature that stays as it is; lowered: patterns
+    used; comparison: None where nothing was compared; partial: the files end before the first construct that is
+    refused; chord_tolerance: mm."""
 
     session: Session
     target: Target
@@ -124,7 +127,7 @@ def translate(wanted: Wanted) -> Translation:
         )  # fmt: skip
     done.partial = bool(legal.refused)
     try:
-        done.files = entry.write(job, target, machine_to, style)
+        done.files = _files(job, target, machine_to, style, wanted)
     except Unprintable as error:
         span = Span(str(wanted.job), 1)
         why = "it has no text for it"
@@ -133,6 +136,17 @@ def translate(wanted: Wanted) -> Translation:
     if not done.partial:
         prove(done, machine_to, wanted, style)
     return done
+
+
+def _files(job: Job, target: Target, machine: Machine, style: Style, wanted: Wanted) -> dict[str, bytes]:
+    """The text of the files, under names that none has whose text is another; Unprintable."""
+    there = {name.upper(): text for name, text in wanted.beside.items()}
+    while True:
+        files = TARGETS[wanted.to].write(job, target, machine, style)
+        clash = {name.upper() for name, text in files.items() if there.get(name.upper(), text) != text}
+        if not clash - style.taken:
+            return files
+        style = replace(style, taken=style.taken | clash)
 
 
 def _machine(path: Path) -> Machine:

@@ -130,7 +130,8 @@ RANK = {name: len(FEATURES) - place for place, name in enumerate(FEATURES)}
 class Style:
     """How programs are written. decimals: most places after the point of mm, inches, degrees and other numbers;
     extension: of files; header, footer: lines of every program; newline; indent: blanks a block; numbers: step of line
-    numbers, 0 for none; line_length: most characters, 0 for any."""
+    numbers, 0 for none; line_length: most characters, 0 for any; taken: names in upper case that subprogram files may
+    not have."""
 
     decimals_mm: int = 4
     decimals_inch: int = 5
@@ -143,6 +144,7 @@ class Style:
     indent: int = 2
     numbers: int = 0
     line_length: int = 0
+    taken: frozenset[str] = frozenset()
 
 
 @record(frozen=True, slots=True, kw_only=True)

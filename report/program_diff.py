@@ -74,8 +74,9 @@ def diff_json(done: ProgramDiff) -> dict[str, Any]:
     """The same for programs."""
     found = done.comparison
     return {
-        "format": "gproof-diff/1",
+        "schema": "gproof-diff/1",
         "verdict": done.verdict.value,
+        "exit_code": done.verdict.exit_code,
         "programs": [str(session.job) for session in done.sessions],
         "differences": [] if found is None else [_one(one, is_open=False) for one in found.differences],
         "unknown": [] if found is None else [_one(one, is_open=True) for one in found.unknown],

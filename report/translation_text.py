@@ -6,8 +6,11 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gproof.ir.finding import Findings
+from gproof.ir.record import record
 from gproof.ir.target import FEATURES
 from gproof.ir.verdict import Verdict
+from gproof.report.text import finding_json
 
 if TYPE_CHECKING:
     from gproof.driver.translation import Translation
@@ -55,17 +58,40 @@ def summary_lines(done: Translation, job: Path, output: Path, *, written: bool) 
     return lines
 
 
-def markdown_of(done: Translation, job: Path, output: Path, *, written: bool) -> str:
-    """The same as a page."""
-    head, *rest = summary_lines(done, job, output, written=written)
-    lines = [f"# {job.name} for {done.target.title}", "", f"**{done.verdict.value}**: {head}", ""]
-    found = [one for one in done.findings.kept if one.code.number // 100 == CODES]
+@record(frozen=True, slots=True, kw_only=True)
+class TranslatedProgram:
+    """What is said of one program. lines: its text, the result first; data: for programs; found: its findings."""
+
+    job: Path
+    target: str
+    verdict: Verdict
+    lines: tuple[str, ...]
+    data: dict[str, Any]
+    found: Findings
+    assumed: tuple[str, ...]
+
+
+def translated_program(done: Translation, job: Path, output: Path, *, written: bool) -> TranslatedProgram:
+    """A translation that has ended, without the program itself."""
+    lines = summary_lines(done, job, output, written=written)
+    data = translation_json(done, job, output, written=written)
+    return TranslatedProgram(
+        job=job, target=done.target.title, verdict=done.verdict, lines=tuple(lines), data=data, found=done.findings,
+        assumed=tuple(done.assumed),
+    )  # fmt: skip
+
+
+def markdown_of(done: TranslatedProgram, heading: str = "#") -> str:
+    """The same as a page, or a part of one."""
+    head, *rest = done.lines
+    lines = [f"{heading} {done.job.name} for {done.target}", "", f"**{done.verdict.value}**: {head}", ""]
+    found = [one for one in done.found.kept if one.code.number // 100 == CODES]
     if found:
         lines += ["| line | finding | what |", "|---|---|---|"]
         lines += [f"| {one.span.line} | {one.code.label} | {_cell(one.message)} |" for one in found]
         lines.append("")
     lines += [f"- {line.strip()}" for line in rest]
-    return "\n".join(lines).rstrip() + "\n"
+    return "\n".join(lines).rstrip()
 
 
 CODES = 7
@@ -76,21 +102,22 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|").replace("<", "&lt;")
 
 
-def translation_json(done: Translation, output: Path, *, written: bool) -> dict[str, Any]:
-    """The same for programs."""
+def translation_json(done: Translation, job: Path, output: Path, *, written: bool) -> dict[str, Any]:
+    """The same for programs; docs/translation.schema.json describes it."""
     found = done.comparison
     return {
-        "format": "gproof-translation-report/1",
-        "verdict": done.verdict.value,
+        "schema": "gproof-translation-report/1",
+        "job": str(job),
+        "dialect": done.session.dialect,
         "target": done.target.name,
+        "verdict": done.verdict.value,
+        "exit_code": done.verdict.exit_code,
         "written": [str(output.parent / name if name else output) for name in done.files] if written else [],
+        "partial": done.partial,
         "kept": [{"construct": text, "times": count} for text, count in _kept(done)],
         "rewritten": [{"pattern": name, "line": line, "times": count} for name, line, count in _patterns(done)],
         "assumed": done.assumed,
-        "findings": [
-            {"code": one.code.label, "file": one.span.file, "line": one.span.line, "message": one.message}
-            for one in done.findings.kept
-        ],
-        "moves": None if found is None else found.rows[0],
+        "findings": [finding_json(one, done.findings.times.get(one, 1)) for one in done.findings.kept],
+        "moves": None if found is None else {"source": found.rows[0], "target": found.rows[1]},
         "drift": None if found is None else {"mm": found.drift[0], "degrees": found.drift[1]},
     }

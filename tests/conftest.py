@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 from support import goldens, temporary
 from support.campaigns import SOAK
 from support.temporary import pytest_runtest_makereport, tmp_path  # noqa: F401
@@ -25,7 +25,8 @@ LONG = ("test_packaging.py", "test_action.py", "test_pre_commit.py", "test_walkt
 """Tests of ten seconds and more are begun first: at the end no process is left alone with one."""
 
 # What a random test of hypothesis asks for itself counts; the others make this many examples in every run.
-settings.register_profile("every run", max_examples=12)
+# How long it takes to make one is a matter of what else the machine does.
+settings.register_profile("every run", max_examples=12, suppress_health_check=[HealthCheck.too_slow])
 if not SOAK:
     settings.load_profile("every run")
 

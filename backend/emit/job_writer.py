@@ -7,6 +7,7 @@ others are taken as unknown until they are printed. A target's writer says what 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
@@ -95,8 +96,13 @@ class JobWriter:
         raise NotImplementedError
 
     def routine_name(self, name: str) -> str:
-        """The name of a routine in the target."""
-        return name.replace("~", "_")
+        """The name of a routine in the target; two may have the same one here."""
+        return self.plain_name(name)
+
+    def plain_name(self, name: str) -> str:
+        """A routine's name without the number of its variant and the extension of its file."""
+        stem = name.partition("~")[0]
+        return stem.rpartition(".")[0] or stem if self.job.routines[name].file else stem
 
     def open(self, node: Node) -> None:
         """The line that opens a loop or a choice; Unprintable."""
@@ -165,13 +171,18 @@ class JobWriter:
             yield from walk(body)
 
     def routine_names(self) -> dict[str, str]:
-        """Names of the target that no two routines share."""
+        """Names of the target that no two routines share; a second one gets a number, before its extension."""
         found: dict[str, str] = {}
+        taken = set(self.style.taken)
         for name in self.job.routines:
-            wanted = self.routine_name(name)
-            while wanted in found.values():
-                wanted += "_"
-            found[name] = wanted
+            wanted = own = self.routine_name(name)
+            stem, dot, extension = wanted.partition(".")
+            for count in itertools.count(2):
+                if own.upper() not in taken:
+                    break
+                own = f"{stem}_{count}{dot}{extension}"
+            taken.add(own.upper())
+            found[name] = own
         return found
 
     # ---- lists of operations

@@ -8,12 +8,13 @@ is raised for each. A word whose meaning depends on a mode that is not known giv
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from gproof.frontend.common.move_tables import MoveLetters, first_words, moves_of, simple_lines
+from gproof.frontend.common.raising_comments import Comments
 from gproof.frontend.common.raising_modes import UNKNOWN_MODE, LineWord, Modes
 from gproof.ir.columns import Array, Columns
 from gproof.ir.finding import Span
@@ -29,14 +30,12 @@ from gproof.ir.job import (
     Node,
     NotRaised,
     OptionalPart,
-    Remark,
     Routine,
     RunRoutine,
     SetVariable,
     used_routines,
 )
 from gproof.ir.machine import Machine
-from gproof.ir.notes import NoteKind
 from gproof.ir.program import (
     FLAG_BARE,
     FLAG_DELETE,
@@ -83,41 +82,6 @@ class Unraisable(Exception):
 
 
 Line = Sequence[LineWord]
-
-
-class Comments:
-    """The comments of the job's file, handed out line by line."""
-
-    KINDS = frozenset({NoteKind.COMMENT, NoteKind.REMARK, NoteKind.SIGNED})
-
-    def __init__(self, program: Program, text_of: Callable[[int, bytes], str]) -> None:
-        self.rows: list[tuple[int, str, bool]] = []
-        self.next = 0
-        self.file = program.files[0].name if program.files else ""
-        if not program.files:
-            return
-        begin, line, count = 0, 1, program.files[0].line_count
-        while line <= count:
-            notes, begin, after = program.load_notes(0, begin, line, PIECE_BYTES)
-            for at, place, kind, _, text in notes:
-                if kind in self.KINDS:
-                    self.rows.append((at, text_of(kind, text), place > 0))
-            if after <= line:
-                break
-            line = after
-
-    def before(self, line: int) -> list[Node]:
-        """Those of lines before ``line`` that nobody took."""
-        found: list[Node] = []
-        while self.next < len(self.rows) and self.rows[self.next][0] < line:
-            at, text, trailing = self.rows[self.next]
-            found.append(Remark(text=text, span=Span(self.file, at), trailing=trailing))
-            self.next += 1
-        return found
-
-    def line_of_next(self) -> int | None:
-        """The line of the first that nobody took."""
-        return self.rows[self.next][0] if self.next < len(self.rows) else None
 
 
 class Raiser:
@@ -205,7 +169,7 @@ class Raiser:
         """The program as a Job, verified."""
         body = self.statements(self.program.body)
         body += self.at_end(None)
-        body += self.comments.before(1 << 31)
+        body += self.comments.rest()
         job = Job(
             source=self.program.dialect, files=[source.name for source in self.program.files], body=tuple(body),
             routines=used_routines(tuple(body), self.routines),
@@ -220,10 +184,10 @@ class Raiser:
         labels = [node.name for node in body if isinstance(node, Label)]
         if not labels:
             return self._once(body)
-        entry, place = self.modes, self.comments.next
+        entry, place = self.modes, dict(self.comments.next)
         for _ in range(MOST_PASSES):
             before = {name: self.marks.get(name) for name in labels}
-            self.modes, self.comments.next = entry, place
+            self.modes, self.comments.next = entry, dict(place)
             found = self._once(body)
             if all(self.marks.get(name) == before[name] for name in labels):
                 break
@@ -235,8 +199,8 @@ class Raiser:
             if type(node) is DeferredBlock:
                 node = node.made()
             span = _span_of(node, self)
-            if span is not None and span.file == self.comments.file:
-                found += self.comments.before(span.line)
+            if span is not None:
+                found += self.comments.before(span.file, span.line)
             if self.modes is None and not isinstance(node, Label):
                 continue  # nothing leads here
             try:
@@ -297,13 +261,12 @@ class Raiser:
         at, count = 0, len(firsts)
         while at < count:
             line = int(numbers[at])
-            if name == self.comments.file:
-                found += self.comments.before(line)
+            found += self.comments.before(name, line)
             if self.modes is None:
                 break
             if simple[at] and self.plain_moves():
                 stop = at + int(np.argmin(simple[at:])) if not simple[at:].all() else count
-                following = self.comments.line_of_next() if name == self.comments.file else None
+                following = self.comments.line_of_next(name)
                 if following is not None:
                     # A comment at the end of a line comes after its move.
                     stop = min(stop, max(at + 1, int(np.searchsorted(numbers, following, "right"))))
@@ -369,9 +332,9 @@ class Raiser:
 
     def loop(self, node: While | Repeat | For) -> Node:
         """A loop, raised in the modes that its entry and the end of each pass agree on."""
-        entry, place = self.modes, self.comments.next
+        entry, place = self.modes, dict(self.comments.next)
         for _ in range(MOST_PASSES):
-            self.modes, self.comments.next = entry, place
+            self.modes, self.comments.next = entry, dict(place)
             body = tuple(self.statements(node.body))
             after = self.modes
             if after is None or entry is None or entry.joined(after) == entry:
@@ -441,20 +404,24 @@ class Raiser:
         if name in self.running:
             raise Unraisable(f"a call of {name}", "it calls itself")
         sub = self.program.subprograms[name]
-        marks, place, before = self.marks, self.comments.next, self.modes
+        marks, before = self.marks, self.modes
         self.marks, self.modes = {}, key[1]
         self.running.append(name)
         self.left.pop(name, None)
-        self._to_comments_of(sub.span)
+        scope = self.comments.enter(name)
         try:
-            body = (*self.statements(sub.body), *self.at_end(sub))
+            found = [*self.statements(sub.body), *self.at_end(sub)]
+            is_left = bool(found) and isinstance(found[-1], LeaveRoutine)
+            found[len(found) - is_left :] = [*self.comments.rest(), *found[len(found) - is_left :]]
+            body = tuple(found)
         finally:
             self.running.pop()
+            self.comments.scope = scope
         after = self.modes
         left = self.left.pop(name, None)
         if left is not None:
             after = left.joined(after)
-        self.marks, self.modes, self.comments.next = marks, before, place
+        self.marks, self.modes = marks, before
         same = next(
             (known for known, routine in self.routines.items() if _stem(known) == name and routine.body == body), None
         )
@@ -468,15 +435,6 @@ class Raiser:
                 parameters=self.parameters_of(sub),
             )  # fmt: skip
         self.raised[key] = variant, after
-
-    def _to_comments_of(self, span: Span) -> None:
-        """The comments of a routine are taken from its first line on."""
-        if span.file != self.comments.file:
-            self.comments.next = len(self.comments.rows)
-            return
-        self.comments.next = next(
-            (n for n, row in enumerate(self.comments.rows) if row[0] >= span.line), len(self.comments.rows)
-        )
 
 
 def _stem(name: str) -> str:

@@ -153,7 +153,7 @@ class WinCncRaiser(LineRaiser):
     def at_end(self, sub: Subprogram | None) -> list[Node]:
         """The zero of the caller, or of the operator, is back (M98, L92)."""
         name = JOB if sub is None else sub.name
-        span = Span(self.comments.file, max(1, self.program.files[0].line_count)) if sub is None else sub.span
+        span = Span(self.program.files[0].name, max(1, self.program.files[0].line_count)) if sub is None else sub.span
         try:
             return frames.zero_back(self, name, span)
         except Unraisable as error:
@@ -445,9 +445,9 @@ class WinCncRaiser(LineRaiser):
 
     def _cells(self, node: Array, *, many: bool) -> tuple[Node, ...]:
         """The body, in the modes that the array's start and the end of each cell agree on."""
-        entry, place = self.modes, self.comments.next
+        entry, place = self.modes, dict(self.comments.next)
         for _ in range(MOST_PASSES):
-            self.modes, self.comments.next = entry, place
+            self.modes, self.comments.next = entry, dict(place)
             self.set_own("cell", many)
             self.set_own("said", None)
             body = tuple(self.statements(node.body))

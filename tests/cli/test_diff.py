@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 from support.command import in_this_process
+from support.goldens import ROOT
+from support.json_schema import violations
 
+SCHEMA_JSON = json.loads((ROOT / "docs" / "translation.schema.json").read_text(encoding="utf-8"))
 JOB = "G21 G90 G54\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG1 X10 F300\nG4 P0.5\nG0 Z5\nM30\n"
 
 
@@ -54,7 +57,9 @@ def test_both_lines_are_below_one_another(shop: Path) -> None:
 
 def test_json_and_a_picture(shop: Path) -> None:
     done = in_this_process(["diff", "a.cnc", "other.cnc", "--format", "json", "--picture", "where.svg"], shop)
-    (found,) = json.loads(done.out)["differences"]
+    report = json.loads(done.out)
+    assert list(violations(report, SCHEMA_JSON)) == []
+    (found,) = report["differences"]
     assert (found["first"]["line"], found["second"]["line"]) == (4, 4)
     assert "<circle" in (shop / "where.svg").read_text()
 

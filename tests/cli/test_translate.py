@@ -12,12 +12,14 @@ import pytest
 from support.command import Done, in_own_process, in_this_process
 from support.each import each
 from support.goldens import ROOT
+from support.json_schema import violations
 
 from gproof.driver.targets import TARGETS
 from gproof.ir.job import Job
 from gproof.ir.machine import Machine
 from gproof.ir.target import Style, Target
 
+SCHEMA_JSON = json.loads((ROOT / "docs" / "translation.schema.json").read_text(encoding="utf-8"))
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"
 [axes.x]
@@ -132,9 +134,10 @@ def test_a_report_for_programs(folder: Path) -> None:
     done = translate(folder, "--format", "json")
     report = json.loads(done.out)
     assert (done.exit, done.err) == (0, "")
-    assert report["format"] == "gproof-translation-report/1"
+    assert list(violations(report, SCHEMA_JSON)) == []
+    assert report["schema"] == "gproof-translation-report/1"
     assert (report["verdict"], report["target"], report["written"]) == ("SAFE", "linuxcnc", ["out.ngc"])
-    assert report["findings"] == [] and report["moves"] == 4
+    assert report["findings"] == [] and report["moves"] == {"source": 4, "target": 4}
 
 
 # ---- 1
@@ -353,6 +356,85 @@ def test_one_map_for_a_folder_of_programs(folder: Path) -> None:
     done = translate(folder, "--map", given(folder, "[outputs]\n3 = 2\n4 = 1\n"), job="parts", out="newer")
     assert done.exit == 3 and "[outputs] 4: nothing in parts needs it" in done.err
     assert not (folder / "newer").exists()
+
+
+BOTH = ("--machine", "machine.toml", "--machine-to", "machine.toml")
+WITH_CALL = """(twice)
+G21 G17 G90 G94 G40 G54 F300
+G0 X0 Y0 Z5
+M98 HOLE.TAP
+G0 X20
+M98 HOLE.TAP
+"""
+HOLE = "[a hole]\nG1 Z-2 F100\nG0 Z5 [out]\n"
+
+
+@pytest.fixture
+def shop(folder: Path) -> Path:
+    """Two programs with WinCNC that call the same file, and one that is called by nobody."""
+    (folder / "parts").mkdir()
+    job = WITH_CALL.replace("G21 G17 G90 G94 G40 G54 F300", "G22\nG90\nG1 F300").replace("(twice)", "[twice]")
+    for name in ("a.tap", "b.tap"):
+        (folder / "parts" / name).write_text(job, encoding="utf-8")
+    (folder / "parts" / "HOLE.TAP").write_text(HOLE, encoding="utf-8")
+    (folder / "CNC.MAC").write_text("")
+    return folder
+
+
+def test_a_called_file_is_part_of_its_programs_and_no_program(shop: Path) -> None:
+    """It is translated once, with its comments; the report says whose part it is, and sums up."""
+    done = translate(shop, *BOTH, job="parts", out="new")
+    assert done.exit == 0
+    assert sorted(path.name for path in (shop / "new").iterdir()) == ["a.ngc", "b.ngc"]
+    assert "parts/HOLE.TAP: part of parts/a.tap" in done.out and "2 programs: 2 proven, 0 refuted" in done.out
+    text = (shop / "new" / "a.ngc").read_text()
+    assert text.count("(a hole)") == text.count("(out)") == 1 and text.count("(twice)") == 1
+
+
+def test_a_file_of_two_programs_is_written_once(shop: Path) -> None:
+    """Where the target has files too; a second run of the command may write the same again."""
+    for _ in range(2):
+        done = translate(shop, *BOTH, job="parts", to="wincnc", out="new")
+        assert done.exit == 0, done.err
+        assert sorted(path.name for path in (shop / "new").iterdir()) == ["HOLE.TAP", "a.tap", "b.tap"]
+    assert (shop / "new" / "HOLE.TAP").read_text().startswith("[a hole]\n")
+
+
+def test_two_files_of_one_name_get_two_names(shop: Path) -> None:
+    """Subprograms that are not the same in two programs are two files, and each program calls its own."""
+    other = (shop / "parts" / "b.tap").read_text() + "G20\nM98 HOLE.TAP\n"
+    (shop / "parts" / "b.tap").write_text(other, encoding="utf-8")
+    done = translate(shop, *BOTH, job="parts", to="wincnc", out="new")
+    assert done.exit == 0, done.err
+    new = {path.name: path.read_text() for path in (shop / "new").iterdir()}
+    assert new.keys() == {"HOLE.TAP", "HOLE_2.TAP", "HOLE_3.TAP", "a.tap", "b.tap"}
+    assert "G20" in new["HOLE_3.TAP"] and "G2" not in new["HOLE.TAP"] and "M98 HOLE.TAP" not in new["b.tap"]
+
+
+def test_the_reports_of_a_folder(shop: Path) -> None:
+    (shop / "parts" / "c.tap").write_text("G90\nG0 X1\nL21\n", encoding="utf-8")
+    report = json.loads(translate(shop, *BOTH, "--format", "json", job="parts", out="new").out)
+    assert list(violations(report, SCHEMA_JSON)) == []
+    assert [one["verdict"] for one in report["programs"]] == ["SAFE", "SAFE", "UNKNOWN"]
+    assert report["exit_code"] == 2 and report["called"] == {"parts/HOLE.TAP": "parts/a.tap"}
+    page = translate(shop, *BOTH, "--format", "markdown", job="parts", out="newer").out
+    assert "| a.tap | SAFE |" in page and "| HOLE.TAP | part of a.tap |" in page and "## c.tap for LinuxCNC" in page
+
+
+def test_programs_of_one_name_keep_their_extensions(folder: Path) -> None:
+    (folder / "parts").mkdir()
+    (folder / "parts" / "a.cnc").write_text(JOB, encoding="utf-8")
+    (folder / "parts" / "a.ngc").write_text(JOB, encoding="utf-8")
+    assert translate(folder, *BOTH, job="parts", to="grbl", out="new").exit == 0
+    assert sorted(path.name for path in (folder / "new").iterdir()) == ["a_cnc.nc", "a_ngc.nc"]
+    done = translate(folder, *BOTH, job="parts", to="grbl", out="parts/new")
+    assert done.exit == 3 and "is in the folder that is translated" in done.err
+
+
+def test_both_lines_are_shown_where_the_programs_part(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(TARGETS, "linuxcnc", wrong(b"X20", b"X20.01"))
+    done = translate(folder)
+    assert done.exit == 1 and "here the translation has: G3 X20.01 Y30" in done.err and "G3 X20 Y30 I0 J10" in done.err
 
 
 def test_a_process_of_its_own_says_the_same(folder: Path) -> None:

@@ -76,7 +76,14 @@ def _minimum(value: Any, wanted: float, _root: Any, at: str, _: Any) -> Iterator
         yield f"{at}: {value} is below {wanted}"
 
 
+def _any_of(value: Any, wanted: list[dict[str, Any]], root: dict[str, Any], at: str, _: Any) -> Iterator[str]:
+    found = [list(violations(value, one, root, at)) for one in wanted]
+    if sum(not one for one in found) != 1:
+        yield f"{at}: is not exactly one of {len(wanted)} forms: {min(found, key=len)[:3]}"
+
+
 _RULES: dict[str, Any] = {
+    "oneOf": _any_of,
     "$ref": _ref, "type": _type, "required": _required, "properties": _properties, "additionalProperties": _additional,
     "items": _items, "enum": _one_of, "const": _one_of, "pattern": _pattern, "minimum": _minimum,
 }  # fmt: skip

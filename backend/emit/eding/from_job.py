@@ -49,7 +49,9 @@ class EdingWriter(Rs274Writer):
 
     def routine_name(self, name: str) -> str:
         """A letter, then letters, digits and _."""
-        plain = "".join(one if one.isascii() and (one.isalnum() or one == "_") else "_" for one in name)
+        plain = "".join(
+            one if one.isascii() and (one.isalnum() or one == "_") else "_" for one in self.plain_name(name)
+        )
         return plain if plain[:1].isalpha() else f"sub_{plain}"
 
     def open(self, node: Node) -> None:

@@ -100,7 +100,7 @@ class LinuxcncWriter(Rs274Writer):
 
     def routine_name(self, name: str) -> str:
         """Letters, digits and underscores in lower case (O Codes, Numbering)."""
-        found = re.sub(r"[^a-z0-9_]", "_", name.lower())
+        found = re.sub(r"[^a-z0-9_]", "_", self.plain_name(name).lower())
         return found if found[:1].isalpha() else f"s{found}"
 
     # ---- structure (O Codes)

@@ -151,7 +151,7 @@ class WinCncWriter(JobWriter):
 
     def routine_name(self, name: str) -> str:
         """The name of a file."""
-        stem = NAME.sub("_", name.upper().removesuffix(".TAP").removesuffix(".MAC"))
+        stem = NAME.sub("_", self.plain_name(name).upper())
         return f"{stem}{self.style.extension.upper()}"
 
     def comment(self, text: str) -> str:
@@ -522,7 +522,7 @@ class WinCncWriter(JobWriter):
         self.state = joined(self.state, entry)
 
     def _loose_name(self) -> str:
-        taken = {*self.files, *self.names.values()}
+        taken = {*self.files, *self.names.values(), *self.style.taken}
         count = 1
         while (name := f"CHOICE_{count}{self.style.extension.upper()}") in taken:
             count += 1
