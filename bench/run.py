@@ -25,6 +25,7 @@ import collisions
 import gouges
 import loops
 import stock
+import translation
 from measure import Runs, gproof_command, gproof_itself, rs274_command, run_once
 from plot import Line, Panel, plot
 from programs import COMMON_SHAPES, MACHINES, SHAPES, write_program
@@ -38,7 +39,7 @@ DIALECTS = {
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")
 """Dialects whose reading is measured."""
-PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges", "stock", "loops")
+PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges", "stock", "loops", "translate")
 LINES = (2_000, 100_000, 1_000_000)
 SCALE = (10_000, 100_000, 1_000_000, 10_000_000)
 SCALE_SHAPES = ("raster",)
@@ -375,6 +376,13 @@ def main() -> None:
             answer["probing"] = loops.probing(bench.warm_environment, gproof_itself())
             loops.show_probing(answer["probing"])
             answer["loops"] = rows
+        if "translate" in parts:
+            rows = translation.measured(
+                bench.folder, bench.program, bench.warm_environment, gproof_itself(), repeat=bench.repeat,
+                shapes=[one for one in shapes if one in translation.SHAPES], lines=min(max(sizes), translation.LINES),
+            )  # fmt: skip
+            translation.show(rows)
+            answer["translate"] = rows
     if asked.json is not None:
         asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")
 

@@ -26,6 +26,8 @@ Ints = npt.NDArray[np.int64]
 _TOOL = re.compile(r"\btool (\d+)\b", re.IGNORECASE)
 NO_LENGTH = 1e-12
 """mm or degrees: what two roundings of one number differ by is no move."""
+LONGEST_LOOK = 0.1
+"""Seconds between two looks of a loop that waits for an input: with more it goes on late, or misses a pulse."""
 
 
 @record(slots=True, kw_only=True)
@@ -131,8 +133,8 @@ def _as_tool_change(side: Side, found: Stretch) -> None:
 def _poll(side: Side, found: Stretch) -> tuple[Edge, int, float] | None:
     """The outcome that ends a loop which only waits, with channel and state of the input; None where it is none.
 
-    One outcome of the question leads to a section that moves and switches nothing, at most dwells, and asks the same
-    with the same outcomes.
+    One outcome of the question leads to a section that moves and switches nothing, dwells at most for a moment, and
+    asks the same with the same outcomes.
     """
     question = side.trace.questions.get(found.sections[-1])
     if question is None or question.kind != "input" or len(found.edges) != 2:
@@ -142,6 +144,7 @@ def _poll(side: Side, found: Stretch) -> tuple[Edge, int, float] | None:
             continue
         again = _stretch(side, edge.target, found.devices, set())
         quiet = not len(again.moves.op) and all(event.kind == "dwell" for event in again.events)
+        quiet = quiet and sum(float(event.values[0]) for event in again.events) <= LONGEST_LOOK
         same = side.trace.questions.get(again.sections[-1]) == question
         if quiet and same and [e.target for e in again.edges] == [e.target for e in found.edges]:
             ending = found.edges[1 - n]

@@ -135,3 +135,15 @@ def test_eding_and_mcuwin(shop: Shop) -> None:
 def test_eding_and_wincnc(shop: Shop) -> None:
     answer = shop.compared(EDING, (WINCNC, "wincnc"), TO_WINCNC)
     assert answer.verdict is Verdict.SAFE, answer
+
+
+@pytest.mark.parametrize(
+    "pause, is_proven", [("", True), ("G4 P0.1\n", True), ("G4 P0.2\n", False), ("M54 P1\n", False)]
+)
+def test_a_loop_that_looks_all_the_time_is_a_wait(shop: Shop, pause: str, is_proven: bool) -> None:
+    """One that looks rarely goes on late, and misses a pulse."""
+    waits = "G22\nG90\nG1 X5 F9\nM17C3\nG1 X7\n"
+    looks = f"G21 G90 G94\nG1 X5 F9\nM56 P3\nWHILE [#5399 == 0]\n{pause}M56 P3\nENDWHILE\nG1 X7\nM2\n"
+    terms = TranslationTerms(source="WinCNC", target="Eding", source_symbols=one_zero(), target_straight=True)
+    answer = shop.compared((waits, "wincnc"), looks, terms)
+    assert (answer.verdict is Verdict.SAFE) == is_proven, answer
