@@ -9,11 +9,12 @@ from pathlib import Path
 import click
 
 from gproof.driver.errors import UsageError
-from gproof.driver.files import require_file, require_place, write_bytes
+from gproof.driver.files import require_place, write_bytes
 from gproof.driver.session import open_session
 from gproof.driver.targets import TARGETS
 from gproof.driver.translation import Translation, Wanted, map_in, raised, translate
 from gproof.driver.translation_folder import folder_programs, output_places
+from gproof.driver.translation_machines import require_source
 from gproof.driver.translation_map import proposed, toml_of
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.verdict import Verdict, worst
@@ -47,7 +48,7 @@ def run_translate(wanted: Wanted, *, output: Path | None, allow_unproven: bool, 
 
 def _propose(wanted: Wanted) -> int:
     """Print a map with every number that the job uses."""
-    require_file(wanted.job, "job")
+    require_source(wanted.job, wanted.machine)
     session = open_session(wanted.job, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect)
     if session.program is None:
         print_findings(session.findings, err=True)

@@ -13,8 +13,8 @@ from gproof.cli.options import FILE, JOB, REPORT, TRANSLATION, FileName, Finite,
 @click.command(
     cls=Command, short_help="Translate a program to another controller, and prove that it is the same",
     examples=(
-        "gproof translate part.tap --machine WINCNC.INI --to eding -o part.cnc",
-        "gproof translate part.cnc --to linuxcnc -o part.ngc",
+        "gproof translate a.tap --machine WINCNC.INI --to eding --map init",
+        "gproof translate a.cnc --machine cnc.ini --to grbl --machine-to m.toml -o a.nc",
     ),
 )  # fmt: skip
 @JOB

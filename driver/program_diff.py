@@ -6,8 +6,10 @@ from pathlib import Path
 
 from gproof.driver.errors import UsageError
 from gproof.driver.session import Running, Session, open_session
+from gproof.driver.translation_terms import only_local, same_travel
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir.finding import Findings, Severity
+from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.record import field, record
 from gproof.ir.trace import Trace
 from gproof.ir.translation_terms import TranslationTerms
@@ -58,6 +60,10 @@ def program_diff(one: Side, other: Side, *, tolerance: float, running: Running) 
         source=first.dialect, target=second.dialect, tolerance_mm=tolerance, tolerance_deg=tolerance,
         feed_relative=1e-6, seconds=1e-6, source_outputs=outputs[0], target_outputs=outputs[1],
         source_straight=rules[0].straight_traverse, target_straight=rules[1].straight_traverse, rapids_assumed=True,
+        source_symbols=only_local(first.dialect, second.dialect),
+        target_symbols=only_local(second.dialect, first.dialect),
+        machine_zero_shared=same_travel(first.machine, second.machine),
+        axes=frozenset(name for name in AXIS_NAMES if first.machine.axis(name) and second.machine.axis(name)),
     )  # fmt: skip
     for switch in _switches(done.sessions):
         traces = []

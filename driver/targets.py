@@ -5,7 +5,7 @@ A target that gproof reads too is compared by its own front end; the others are 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from gproof.ir.record import record
@@ -22,15 +22,16 @@ if TYPE_CHECKING:
 @record(frozen=True, slots=True)
 class TargetEntry:
     """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own;
-    comment: what is around the text of a comment; adapted: the table for a machine, its file and the language of the
+    comment: what is around the text of a comment; adapted: the table for a machine, its files and the language of the
     source; read: (texts, name of the job's own, machine, work offset at the start) -> what they do, for a language
-    without a front end."""
+    without a front end; machine_file: name of the controller's own machine file, "" where gproof reads none."""
 
     target: Callable[[], Target]
     write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]
     comment: tuple[str, str] = ("(", ")")
-    adapted: Callable[[Target, Machine, Path | None, str], Target] | None = None
+    adapted: Callable[[Target, Machine, Sequence[Path], str], Target] | None = None
     read: Callable[[dict[str, bytes], str, Machine, int], ReadBack] | None = None
+    machine_file: str = ""
 
 
 def _eding() -> Target:
@@ -57,7 +58,7 @@ def _write_mcuwin(job: Job, target: Target, machine: Machine, style: Style) -> d
     return write(job, target, machine, style)
 
 
-def _mcuwin_of(target: Target, machine: Machine, path: Path | None, source: str) -> Target:
+def _mcuwin_of(target: Target, machine: Machine, files: Sequence[Path], source: str) -> Target:
     from gproof.ir.dialects.mcuwin.target import adapted
 
     return adapted(target, machine, source)
@@ -105,11 +106,11 @@ def _wincnc() -> Target:
     return TARGET
 
 
-def _wincnc_of(target: Target, machine: Machine, path: Path | None, source: str) -> Target:
+def _wincnc_of(target: Target, machine: Machine, files: Sequence[Path], source: str) -> Target:
     from gproof.frontend.wincnc.mac_file import commands_next_to
     from gproof.ir.dialects.wincnc.target import adapted
 
-    return adapted(target, machine, None if path is None else commands_next_to(path, machine))
+    return adapted(target, machine, commands_next_to(files, machine))
 
 
 def _write_wincnc(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
@@ -119,9 +120,9 @@ def _write_wincnc(job: Job, target: Target, machine: Machine, style: Style) -> d
 
 
 TARGETS: dict[str, TargetEntry] = {
-    "eding": TargetEntry(_eding, _write_eding),
-    "wincnc": TargetEntry(_wincnc, _write_wincnc, ("[", "]"), _wincnc_of),
-    "mcuwin": TargetEntry(_mcuwin, _write_mcuwin, ("' ", ""), _mcuwin_of),
+    "eding": TargetEntry(_eding, _write_eding, machine_file="cnc.ini"),
+    "wincnc": TargetEntry(_wincnc, _write_wincnc, ("[", "]"), _wincnc_of, machine_file="WINCNC.INI"),
+    "mcuwin": TargetEntry(_mcuwin, _write_mcuwin, ("' ", ""), _mcuwin_of, machine_file="McuWIN.ini"),
     "linuxcnc": TargetEntry(_linuxcnc, _write_linuxcnc, read=_read_linuxcnc),
     "grbl": TargetEntry(_grbl, _write_grbl, read=_read_grbl),
 }

@@ -15,19 +15,19 @@ from gproof.driver.dialects import DIALECTS
 from gproof.driver.errors import UsageError
 from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
+from gproof.driver.translation_machines import MachineTo, machine_to, require_source
+from gproof.driver.translation_terms import terms_of
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
-from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
+from gproof.ir.program import NO_OUTPUTS, Program
 from gproof.ir.record import field, record
 from gproof.ir.setup import NOTHING
 from gproof.ir.target import Style, Target
 from gproof.ir.trace import Trace
 from gproof.ir.translation_map import NO_MAP, TranslationMap
-from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 from gproof.ir.verdict import Verdict
 from gproof.passes.legalize.by_map import Mapped, by_map
 from gproof.passes.legalize.context import Lowered, Options
@@ -38,16 +38,14 @@ from gproof.verify.translation.words import sentence
 
 EXACT_DECIMALS = 12
 """Decimals with ``exact``: more than a double has of millimetres."""
-ROUNDING = 1.02
-"""Rounding of sums besides that of the printed digits."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
 class Wanted:
-    """What to translate: the arguments of ``gproof translate``. to: a key of TARGETS; machine, machine_to: files;
-    given: a map, instead of the file ``map``; several: the map is that of several programs, so that an entry which this
-    one does not need is no mistake; beside: files by name that others of the programs call: one that this program calls
-    has another name, or is the same."""
+    """What to translate: the arguments of ``gproof translate``. to: a key of TARGETS; machine, machine_to: files that
+    both must be there; given: a map, instead of the file ``map``; several: the map is that of several programs, so that
+    an entry which this one does not need is no mistake; beside: files by name that others of the programs call: one
+    that this program calls has another name, or is the same."""
 
     job: Path
     to: str
@@ -92,6 +90,8 @@ def translate(wanted: Wanted) -> Translation:
     """UsageError (exit 3) for files that cannot be used at all."""
     if wanted.to not in TARGETS:
         raise UsageError(f"--to {wanted.to}: choose one of {', '.join(TARGETS)}")
+    require_source(wanted.job, wanted.machine)
+    to = machine_to(wanted.to, wanted.machine_to)
     session = open_session(wanted.job, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect)
     entry = TARGETS[wanted.to]
     target = entry.target()
@@ -102,11 +102,10 @@ def translate(wanted: Wanted) -> Translation:
         for finding in session.findings.kept:
             done.findings.add(finding)
         return done
-    machine_to = session.machine if wanted.machine_to is None else _machine(wanted.machine_to)
     if entry.adapted is not None:
-        done.target = target = entry.adapted(target, machine_to, wanted.machine_to or wanted.machine, session.dialect)
+        done.target = target = entry.adapted(target, to.machine, to.files, session.dialect)
     given = wanted.given or map_in(wanted.map)
-    legal = legal_job(session, target, machine_to, wanted, given)
+    legal = legal_job(session, target, to.machine, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
     done.spare_used, done.kept = legal.spare_used, dict(legal.kept)
     for refused in legal.refused:
@@ -127,14 +126,14 @@ def translate(wanted: Wanted) -> Translation:
         )  # fmt: skip
     done.partial = bool(legal.refused)
     try:
-        done.files = _files(job, target, machine_to, style, wanted)
+        done.files = _files(job, target, to.machine, style, wanted)
     except Unprintable as error:
         span = Span(str(wanted.job), 1)
         why = "it has no text for it"
         done.findings.add(codes.NOT_TRANSLATED.at(span, construct=str(error), target=target.title, why=why))
         return done
     if not done.partial:
-        prove(done, machine_to, wanted, style)
+        prove(done, to, wanted, style)
     return done
 
 
@@ -147,18 +146,6 @@ def _files(job: Job, target: Target, machine: Machine, style: Style, wanted: Wan
         if not clash - style.taken:
             return files
         style = replace(style, taken=style.taken | clash)
-
-
-def _machine(path: Path) -> Machine:
-    from gproof.driver.dialects import load_machine
-    from gproof.driver.files import require_file
-
-    require_file(path, "machine file")
-    findings = Findings()
-    machine, _ = load_machine(path, findings)
-    if machine is None:
-        raise UsageError(f"machine file {path}: cannot be used, see the errors above", findings)
-    return machine
 
 
 def raised(session: Session) -> Job:
@@ -197,6 +184,7 @@ def legal_job(
     options = Options(
         chord_tolerance=wanted.chord_tolerance, block_delete=setup.block_delete, values=values,
         coolant=given.coolant, tool_change=given.tool_change,
+        axes=frozenset(name for name in AXIS_NAMES if session.machine.axis(name) and machine.axis(name)),
     )  # fmt: skip
     return legalize(mapped.job, target, options)
 
@@ -204,8 +192,6 @@ def legal_job(
 def _mapped(session: Session, target: Target, machine: Machine, wanted: Wanted, given: TranslationMap) -> Mapped:
     """The job in the target's numbers."""
     same = wanted.to == session.dialect
-    if wanted.machine_to is None and not same:
-        machine = replace(machine, tools=())
     return by_map(_without_lengths(raised(session), session, target), given, target, machine, same=same)
 
 
@@ -228,7 +214,7 @@ def _without_lengths(job: Job, session: Session, target: Target) -> Job:
     return replace(job, body=(*job.body[:place], off, *job.body[place:]))
 
 
-def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> None:
+def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> None:
     """Read what was printed, under the target's machine, and compare both traces."""
     session = done.session
     assert session.program is not None
@@ -243,14 +229,14 @@ def prove(done: Translation, machine: Machine, wanted: Wanted, style: Style) -> 
         done.assumed.append("both programs start in the first work offset (G54), and without a local offset (G92)")
     if session.setup.parameters:
         done.assumed.append("variables that the job reads and does not set have the values of the setup file")
-    read = Findings()
+    read, machine = Findings(), to.machine
     if TARGETS[wanted.to].read is not None:
         target = _read_by_verify(done, machine, wanted)
         terms = terms_of(done, NO_OUTPUTS, session.machine, machine, wanted, style)
         _conclude(done, compare(source, target, terms), wanted)
         return
     with tempfile.TemporaryDirectory() as folder:
-        printed, machine = _read_back(done, machine, wanted, Path(folder), read)
+        printed, machine = _read_back(done, to, wanted, Path(folder), read)
         if printed is None:
             _also(done, read, Path(folder))
             return
@@ -294,7 +280,7 @@ def _read_by_verify(done: Translation, machine: Machine, wanted: Wanted) -> Trac
 
 
 def _read_back(
-    done: Translation, machine: Machine, wanted: Wanted, folder: Path, findings: Findings
+    done: Translation, to: MachineTo, wanted: Wanted, folder: Path, findings: Findings
 ) -> tuple[Program | None, Machine]:
     """The program that was printed, as the target's front end reads it."""
     from gproof.frontend.common.frontend import Reading
@@ -303,9 +289,8 @@ def _read_back(
     job = folder / f"{wanted.job.stem}{done.target.style.extension}"
     for name, text in done.files.items():
         (folder / name if name else job).write_bytes(text)
-    files = [] if wanted.machine_to is None else [wanted.machine_to]
     return frontend.load_program(
-        Reading(job=job, findings=findings, machine=machine, machine_file=wanted.machine_to, read=files)
+        Reading(job=job, findings=findings, machine=to.machine, machine_file=to.files[0], read=to.files)
     )
 
 
@@ -334,89 +319,3 @@ def _printed_line(done: Translation, found: Divergence) -> tuple[Related, ...]:
     rows = done.files.get(name, done.files.get("", b"")).split(b"\n")
     text = rows[line - 1].decode("utf-8", "replace").strip() if 0 < line <= len(rows) else ""
     return (Related(Span(name, line), f"here the translation has: {text}"),)
-
-
-def terms_of(
-    done: Translation, outputs: SpindleOutputs, source: Machine, target: Machine, wanted: Wanted, style: Style
-) -> TranslationTerms:
-    """What both sides agree on."""
-    own = done.session.program
-    assert own is not None
-    half = 0.5 * max(10.0**-style.decimals_mm, 25.4 * 10.0**-style.decimals_inch) * ROUNDING
-    chords = any(one.pattern == "arc -> chords" for one in done.lowered)
-    left_out = frozenset(
-        name for name, had in (("path_mode", done.target.path_modes), ("guards", "guard" in done.target.legal),
-            ("table", "frame_store" in done.target.legal),)
-        if not had
-    )  # fmt: skip
-    given = done.map
-    back = {new: old for old, new in given.tools.items()}
-    same_limits = all(_limits(source, name) == _limits(target, name) for name in AXIS_NAMES)
-    spare = done.target.spare_offset if done.spare_used else 0
-    axes = frozenset(name for name in AXIS_NAMES if source.axis(name) and target.axis(name))
-    return TranslationTerms(
-        axes=axes,
-        scratch=frozenset(f"work.{spare}.{axis}" for axis in AXIS_NAMES if spare),
-        source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,
-        tolerance_deg=0.5 * 10.0**-style.decimals_deg * ROUNDING + 1e-9,
-        chord_mm=wanted.chord_tolerance if chords else 0.0, feed_relative=1e-4, seconds=1e-4,
-        source_outputs=own.spindle_outputs, target_outputs=outputs,
-        source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
-        outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
-        tools=tuple(sorted(given.tools.items())),
-        source_symbols=_only_local(done.session.dialect, done.target.name)
-        + _measured(done.session.dialect, done.target.name, target, back)
-        + tuple(
-            SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
-            for old, new in given.offsets.items() for axis in AXIS_NAMES
-        ),
-        target_symbols=(
-            *_only_local(done.target.name, done.session.dialect),
-            *_measured(done.target.name, done.session.dialect, source, given.tools),
-            *_lengths_in_zeros(done),
-        ),
-        coolant=tuple(sorted(given.coolant.items())),
-        rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_limits,
-        tool_by_stop=given.tool_change == "stop",
-    )  # fmt: skip
-
-
-def _measured(name: str, other: str, machine: Machine, numbers: Mapping[int, int]) -> tuple[SymbolMeaning, ...]:
-    """Measures of tools where one controller has them instead of lengths, of tools whose length the other's file says.
-
-    numbers: of tools of the other controller, as this one has them.
-    """
-    if not {name, other} <= DIALECTS.keys():
-        return ()
-    if not rules_named(name).measured_tools or rules_named(other).measured_tools:
-        return ()
-    lengths = {numbers.get(tool.number, tool.number): tool.length for tool in machine.tools if tool.length is not None}
-    return tuple(SymbolMeaning(symbol=f"tool.{number}.z", mm=length) for number, length in sorted(lengths.items()))
-
-
-def _only_local(name: str, other: str) -> tuple[SymbolMeaning, ...]:
-    """The zero of a controller whose only one is a local offset, set up where another one has its first work offset."""
-    if not _has_only_local(name) or _has_only_local(other):
-        return ()
-    return tuple(SymbolMeaning(symbol=f"g92.{axis}", form=((f"work.1.{axis}", 1),)) for axis in AXIS_NAMES)
-
-
-def _has_only_local(name: str) -> bool:
-    return name in DIALECTS and "work" not in DIALECTS[name].frontend.open_offsets
-
-
-def _lengths_in_zeros(done: Translation) -> tuple[SymbolMeaning, ...]:
-    """Work zeros of a controller without tool lengths: a length that the job leaves as it is, is in them."""
-    own = TARGETS.get(done.session.dialect)
-    has_lengths = own is None or "length" in own.target().legal
-    if not has_lengths or "length" in done.target.legal or any(one.feature == "length" for one in done.lowered):
-        return ()
-    return tuple(
-        SymbolMeaning(symbol=f"work.{n}.z", form=(("tool.0.z", 1), (f"work.{n}.z", 1)))
-        for n in range(1, done.target.offsets + 1)
-    )
-
-
-def _limits(machine: Machine, name: str) -> tuple[float | None, float | None]:
-    axis = machine.axis(name)
-    return (None, None) if axis is None else (axis.lower, axis.upper)

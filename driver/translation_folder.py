@@ -11,6 +11,7 @@ from gproof.driver.errors import Tell, UsageError
 from gproof.driver.jobs import find_jobs
 from gproof.driver.session import open_session
 from gproof.driver.translation import Wanted, map_in, unused_entries
+from gproof.driver.translation_machines import machine_to, require_source
 from gproof.ir.record import record
 
 
@@ -23,10 +24,13 @@ class FolderPrograms:
 
 
 def folder_programs(wanted: Wanted, tell: Tell) -> FolderPrograms:
-    """UsageError for a folder without programs, and for an entry of the map that none of them needs."""
+    """UsageError for a folder without programs, a side without a machine, and an entry of the map that nothing needs."""
     found = find_jobs(
         [str(wanted.job)], tell, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect
     )  # fmt: skip
+    for job in found:
+        require_source(job.path, job.machine)
+    machine_to(wanted.to, wanted.machine_to)
     jobs = [
         replace(wanted, job=job.path, machine=job.machine, setup=job.setup, dialect=job.dialect, several=True)
         for job in found

@@ -18,9 +18,9 @@ from gproof.ir.trace import Trace
 def any_zero(setup: Setup, program: Program) -> Setup:
     """A setup of which only stays what is no offset: start, work zeros and tool lengths are unknown. At the start no
     local offset is in force."""
-    # Where the local offset is the only one, the work offset that is active is in it.
-    only = "work" not in DIALECTS[program.dialect].frontend.open_offsets
-    none = {} if only else {name: Interval(0.0, 0.0) for name in AXIS_NAMES}
+    # Where the local offset is the zero in force, the work offset that is active is in it, and nothing is added to it.
+    in_force = "g92" in DIALECTS[program.dialect].frontend.open_offsets
+    none = {} if in_force else {name: Interval(0.0, 0.0) for name in AXIS_NAMES}
     return replace(
         setup, name="any work zero", homed=tuple(AXIS_NAMES), start={}, work={}, g92=none, tool_lengths={}, measures={},
         default_start=None, default_offset=None, active_work=setup.active_work or 1, tool=None, workpiece=None,

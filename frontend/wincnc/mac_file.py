@@ -9,7 +9,7 @@ says that variables are defined in this file too, and not how: what can be no co
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -68,9 +68,11 @@ def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> tup
     return macros, unread
 
 
-def commands_next_to(path: Path, machine: Machine) -> dict[str, str] | None:
-    """What CNC.MAC next to a machine file has for each name; None where there is none, or a line may define another."""
-    found = next((one for one in path.parent.iterdir() if one.name.lower() == MACRO_FILE), None)
+def commands_next_to(files: Sequence[Path], machine: Machine) -> dict[str, str] | None:
+    """What CNC.MAC next to the files of a machine has for each name; None where there is none, or a line may define
+    another."""
+    folders = dict.fromkeys(path.parent for path in files)
+    found = next((one for folder in folders for one in folder.iterdir() if one.name.lower() == MACRO_FILE), None)
     if found is None:
         return None
     macros, unread = read_macros(read_source(found, dos=True), Findings(), wincnc_settings(machine).lexical)

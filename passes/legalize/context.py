@@ -50,13 +50,15 @@ MOST_OPERATIONS = 200_000
 @record(frozen=True, slots=True, kw_only=True)
 class Options:
     """chord_tolerance: mm that chords may be off an arc. coolant, tool_change: see ``TranslationMap``; block_delete:
-    whether the switch is on, None: not known; values: variables whose values are stated."""
+    whether the switch is on, None: not known; values: variables whose values are stated; axes: names of those that both
+    machines have: the job may leave a zero on one that it does not move."""
 
     chord_tolerance: float = 0.01
     coolant: Mapping[str, str] = field(default_factory=dict)
     tool_change: str = ""
     block_delete: bool | None = None
     values: Mapping[int, float] = field(default_factory=dict)
+    axes: frozenset[str] = frozenset()
 
 
 @record(frozen=True, slots=True)

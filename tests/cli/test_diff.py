@@ -37,6 +37,34 @@ def test_two_programs(shop: Path, second: str, exit_code: int, said: str) -> Non
     assert said in done.out
 
 
+def test_the_zero_of_a_controller_without_a_table_is_the_first_work_offset(shop: Path) -> None:
+    """What the operator has set by G92 on WinCNC, and by G54 on Eding CNC, is the zero of the material."""
+    cut, park = "G0 X1 Y2 Z5\nG1 Z-1 F100\nG1 X10 F300\n", "G0 X1 Y2 Z5\nG53 G0 Z0\n"
+    for name, text in (("a", cut), ("b", park)):
+        (shop / f"{name}.tap").write_text("G22\nG90\nG49\n" + text.replace("G53 G0", "G53"))
+        (shop / f"{name}2.cnc").write_text("G21 G90 G54 G49\n" + text)
+    axes = "".join(f"[axes.{axis}]\nmin = -500\nmax = 500\n" for axis in "xyz")
+    for name in ("wincnc", "eding"):
+        text = f'schema = "gproof-machine/1"\nunits = "mm"\n{axes}[controller]\ndialect = "{name}"\n'
+        (shop / f"{name}.toml").write_text(text)
+    (shop / "CNC.MAC").write_text("")
+    machines = ["--machine", "wincnc.toml", "--machine-to", "eding.toml"]
+    done = in_this_process(["diff", "a.tap", "a2.cnc", *machines], shop)
+    assert done.exit == 0 and "(G92) of the source program is work offset 1 (G54)" in done.out, done.out
+    done = in_this_process(["diff", "b.tap", "b2.cnc", *machines], shop)
+    assert done.exit == 0 and "machine coordinates count from the same place" in done.out, done.out
+
+
+def test_machine_places_of_machines_of_other_travel_are_open(shop: Path) -> None:
+    for name, top in (("one.toml", 0), ("two.toml", 10)):
+        axes = "".join(f"[axes.{axis}]\nmin = -500\nmax = {top}\n" for axis in "xyz")
+        (shop / name).write_text(f'schema = "gproof-machine/1"\nunits = "mm"\n{axes}')
+    (shop / "park.cnc").write_text(JOB.replace("M30", "G53 G0 Z-1\nM30"))
+    for second, exit_code in (("one.toml", 0), ("two.toml", 2)):
+        done = in_this_process(["diff", "park.cnc", "park.cnc", "--machine", "one.toml", "--machine-to", second], shop)
+        assert done.exit == exit_code, done.out
+
+
 def test_block_delete_is_compared_in_both_positions(shop: Path) -> None:
     (shop / "slash.cnc").write_text(JOB.replace("G4 P0.5", "G4 P0.5\n/G0 X99"))
     (shop / "on.toml").write_text('schema = "gproof-setup/1"\nblock_delete = true\n')

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from support.command import Done, in_own_process, in_this_process
 from support.each import each
 from support.goldens import ROOT
 from support.json_schema import violations
+from support.target_machines import machine_like
 
 from gproof.driver.targets import TARGETS
 from gproof.ir.job import Job
@@ -56,9 +59,19 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@cache
+def machine_to(to: str) -> str:
+    """A machine of another controller that is like that of the jobs."""
+    place = Path(tempfile.mkdtemp())
+    (place / "machine.toml").write_text(MACHINE, encoding="utf-8")
+    return str(machine_like(place / "machine.toml", to, place / to))
+
+
 def translate(folder: Path, *words: str, job: str = "job.cnc", to: str = "linuxcnc", out: str = "out.ngc") -> Done:
     output = ["-o", out] if out else []
-    return in_this_process(["translate", job, "--to", to, *output, *words], folder)
+    machines = [] if "--machine" in words else ["--machine", "machine.toml"]
+    machines += [] if "--machine-to" in words else ["--machine-to", machine_to(to)]
+    return in_this_process(["translate", job, "--to", to, *machines, *output, *words], folder)
 
 
 def given(folder: Path, text: str) -> str:
@@ -79,16 +92,13 @@ def untouched(folder: Path) -> bool:
 # ---- 0
 
 
-MCUWIN = ("--machine-to", str(ROOT / "corpus" / "mcuwin" / "engraver" / "machine.toml"))
-WITH = {"eding": (), "linuxcnc": (), "grbl": (), "mcuwin": MCUWIN}
-
-
-@each("to", WITH)
+@each("to", TARGETS)
 def test_a_proven_translation_is_written(to: str, tmp_path: Path) -> None:
     folder = tmp_path / to
     folder.mkdir()
-    (folder / "job.cnc").write_text(JOB, encoding="utf-8")
-    done = translate(folder, *WITH[to], to=to)
+    for name, text in (("job.cnc", JOB), ("machine.toml", MACHINE)):
+        (folder / name).write_text(text, encoding="utf-8")
+    done = translate(folder, to=to)
     assert (done.exit, done.err) == (0, "")
     assert done.out.startswith(f"out.ngc: proven: the same as job.cnc on {TARGETS[to].target().title}, wherever")
     text = (folder / "out.ngc").read_text(encoding="utf-8")
@@ -169,10 +179,10 @@ def test_a_wrong_translation_is_never_written(
     assert json.loads(done.out)["written"] == []
 
 
-def test_a_difference_in_offsets_alone_says_so(folder: Path) -> None:
-    """A McuWIN machine without a file may have a tool table with lengths in force (2.7)."""
-    done = translate(folder, to="mcuwin")
-    assert done.exit in (1, 2) and untouched(folder)
+def test_a_difference_in_offsets_alone_says_so(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(TARGETS, "linuxcnc", wrong(b"G54", b"G55"))
+    done = translate(folder)
+    assert done.exit == 1 and untouched(folder)
     assert "the offsets or tool lengths that they count from are not" in done.err
 
 
@@ -217,11 +227,13 @@ def test_partial_writes_what_comes_before_and_a_stop(folder: Path) -> None:
 
 
 def test_what_is_not_proven_is_written_only_on_demand(folder: Path) -> None:
-    """Without WINCNC.INI nobody knows what M3 does on the other machine."""
-    done = translate(folder, to="wincnc")
+    """Without CNC.MAC nobody knows what M3 does on the other machine."""
+    other = folder.parent / "open.toml"
+    other.write_text(f'{MACHINE}[controller]\ndialect = "wincnc"\n', encoding="utf-8")
+    done = translate(folder, "--machine-to", str(other), to="wincnc")
     assert done.exit == 2 and untouched(folder)
     assert "GP705" in done.err or "GP113" in done.err
-    done = translate(folder, "--allow-unproven", to="wincnc")
+    done = translate(folder, "--allow-unproven", "--machine-to", str(other), to="wincnc")
     assert done.exit == 2 and done.out.startswith("out.ngc: written, not proven\n")
     first, second, *_ = (folder / "out.ngc").read_text(encoding="utf-8").splitlines()
     assert first.startswith("[NOT PROVEN: ") and first.endswith("]") and len(first) > 30
@@ -231,42 +243,57 @@ def test_what_is_not_proven_is_written_only_on_demand(folder: Path) -> None:
 # ---- 3
 
 
+BOTH = ("--machine", "machine.toml", "--machine-to", "machine.toml")
+TO_EDING = ("--to", "eding", "-o", "out")
 WRONG = [
-    ("no such job", ("--to", "eding", "-o", "out", "none.cnc"), "job none.cnc: no such file"),
+    ("no such job", (*TO_EDING, "none.cnc"), "job none.cnc: no such file"),
     ("unknown --to", ("--to", "fanuc", "-o", "out", "job.cnc"), "--to fanuc: choose one of eding, "),
-    ("no -o", ("--to", "eding", "job.cnc"), "-o FILE is missing"),
-    ("output is the source", ("--to", "eding", "-o", "job.cnc", "job.cnc"), "output job.cnc: would overwrite an input"),
-    ("output is the machine", ("--to", "eding", "-o", "machine.toml", "--machine", "machine.toml", "job.cnc"),
+    ("no -o", ("--to", "eding", *BOTH, "job.cnc"), "-o FILE is missing"),
+    ("no machine", (*TO_EDING, "--machine-to", "machine.toml", "job.cnc"),
+     "--machine FILE is missing: the machine that job.cnc is for (cnc.ini, WINCNC.INI, McuWIN.ini, or gproof's own"),
+    ("no machine to propose a map for", ("--to", "eding", "--map", "init", "job.cnc"), "--machine FILE is missing"),
+    ("no other machine", (*TO_EDING, "--machine", "machine.toml", "job.cnc"),
+     "--machine-to FILE is missing: the machine with Eding CNC (cnc.ini, or gproof's own machine file"),
+    ("no other machine of another controller", ("--to", "grbl", "-o", "out", "--machine", "machine.toml", "job.cnc"),
+     "--machine-to FILE is missing: the machine with grbl 1.1 (gproof's own machine file"),
+    ("a folder without a machine", (*TO_EDING, "--machine-to", "machine.toml", "."), "--machine FILE is missing"),
+    ("a folder without another machine", (*TO_EDING, "--machine", "machine.toml", "."), "--machine-to FILE is missing"),
+    ("the other machine has another controller", (*TO_EDING, *BOTH[:3], "WINCNC.INI", "job.cnc"),
+     "machine file WINCNC.INI: the machine has WinCNC, not Eding CNC"),
+    ("a controller without a file of its own", ("--to", "linuxcnc", "-o", "out", *BOTH[:3], "WINCNC.INI", "job.cnc"),
+     "machine file WINCNC.INI: is another controller's; LinuxCNC takes gproof's own machine file"),
+    ("output is the source", ("--to", "eding", "-o", "job.cnc", *BOTH, "job.cnc"),
+     "output job.cnc: would overwrite an input"),
+    ("output is the machine", ("--to", "eding", "-o", "machine.toml", *BOTH[:3], "WINCNC.INI", "job.cnc"),
      "output machine.toml: would overwrite an input"),
-    ("output is the other machine", ("--to", "eding", "-o", "machine.toml", "--machine-to", "machine.toml", "job.cnc"),
-     "output machine.toml: would overwrite an input"),
-    ("output is the map", ("--to", "eding", "-o", "map.toml", "--map", "map.toml", "job.cnc"),
+    ("output is the other machine", ("--to", "wincnc", "-o", "WINCNC.INI", *BOTH[:3], "WINCNC.INI", "job.cnc"),
+     "output WINCNC.INI: would overwrite an input"),
+    ("output is the map", ("--to", "eding", "-o", "map.toml", *BOTH, "--map", "map.toml", "job.cnc"),
      "output map.toml: would overwrite an input"),
-    ("output is a folder", ("--to", "eding", "-o", ".", "job.cnc"), "output .: is a folder, not a file"),
-    ("no folder for the output", ("--to", "eding", "-o", "no/out", "job.cnc"), "no such folder: no"),
-    ("no such machine", ("--to", "eding", "-o", "out", "--machine-to", "none.toml", "job.cnc"),
+    ("output is a folder", ("--to", "eding", "-o", ".", *BOTH, "job.cnc"), "output .: is a folder, not a file"),
+    ("no folder for the output", ("--to", "eding", "-o", "no/out", *BOTH, "job.cnc"), "no such folder: no"),
+    ("no such machine", (*TO_EDING, "--machine", "machine.toml", "--machine-to", "none.toml", "job.cnc"),
      "machine file none.toml: no such file"),
-    ("no such map", ("--to", "eding", "-o", "out", "--map", "none.toml", "job.cnc"),
-     "map file none.toml: no such file"),
-    ("a map that is none", ("--to", "eding", "-o", "out", "--map", "machine.toml", "job.cnc"),
+    ("no such map", (*TO_EDING, *BOTH, "--map", "none.toml", "job.cnc"), "map file none.toml: no such file"),
+    ("a map that is none", (*TO_EDING, *BOTH, "--map", "machine.toml", "job.cnc"),
      "map file machine.toml: cannot be used"),
-    ("a chord tolerance of nothing", ("--to", "eding", "-o", "out", "--chord-tolerance", "0", "job.cnc"),
-     "--chord-tolerance"),
-    ("rapids of no kind", ("--to", "eding", "-o", "out", "--rapids", "bent", "job.cnc"), "--rapids"),
+    ("a chord tolerance of nothing", (*TO_EDING, *BOTH, "--chord-tolerance", "0", "job.cnc"), "--chord-tolerance"),
+    ("rapids of no kind", (*TO_EDING, *BOTH, "--rapids", "bent", "job.cnc"), "--rapids"),
 ]  # fmt: skip
+INI = "unit=MM\naxischar=XYZ\n" + "axisspec=p0 s0 d0 r100 a500 t1\naxisvel=r6000 f1500\n" * 3
 
 
 @each("name,words,said", WRONG)
 def test_wrong_input_is_one_line(name: str, words: tuple[str, ...], said: str, tmp_path: Path) -> None:
     folder = tmp_path / name
     folder.mkdir()
-    for file, text in (("job.cnc", JOB), ("machine.toml", MACHINE), ("map.toml", SCHEMA)):
+    texts = {"job.cnc": JOB, "machine.toml": MACHINE, "map.toml": SCHEMA, "WINCNC.INI": INI}
+    for file, text in texts.items():
         (folder / file).write_text(text, encoding="utf-8")
     done = in_this_process(["translate", *words], folder)
     assert done.exit == 3 and done.out == ""
     assert said in done.err.splitlines()[-1], done.err
-    assert sorted(path.name for path in folder.iterdir()) == ["job.cnc", "machine.toml", "map.toml"]
-    assert (folder / "job.cnc").read_text() == JOB
+    assert {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()} == texts
 
 
 MAPS = [
@@ -306,7 +333,7 @@ def test_a_file_of_a_subprogram_is_not_overwritten(folder: Path) -> None:
     called = "sub hole\nG1 Z-2 F100\nG0 Z5\nendsub\nG21 G90 G54\nG0 X1 Y1 Z5\ngosub hole\nG0 X2\ngosub hole\nM30\n"
     (folder / "called.cnc").write_text(called, encoding="utf-8")
     router = str(ROOT / "corpus" / "wincnc" / "router-atc" / "WINCNC.INI")
-    words = ("--machine", "machine.toml", "--machine-to", router)
+    words = ("--machine-to", router)
     first = translate(folder, *words, to="wincnc", job="called.cnc", out="out.tap")
     assert (first.exit, first.err) == (0, "")
     more = [path for path in folder.iterdir() if path.suffix.lower() == ".tap" and path.name != "out.tap"]
@@ -358,7 +385,6 @@ def test_one_map_for_a_folder_of_programs(folder: Path) -> None:
     assert not (folder / "newer").exists()
 
 
-BOTH = ("--machine", "machine.toml", "--machine-to", "machine.toml")
 WITH_CALL = """(twice)
 G21 G17 G90 G94 G40 G54 F300
 G0 X0 Y0 Z5
@@ -438,5 +464,6 @@ def test_both_lines_are_shown_where_the_programs_part(folder: Path, monkeypatch:
 
 
 def test_a_process_of_its_own_says_the_same(folder: Path) -> None:
-    words = ["translate", "job.cnc", "--to", "grbl", "-o", "out.nc"]
+    words = ["translate", "job.cnc", "--machine", "machine.toml", "--to", "grbl", "--machine-to", machine_to("grbl")]
+    words += ["-o", "out.nc"]
     assert in_own_process(words, folder) == in_this_process(words, folder)

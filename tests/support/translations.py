@@ -4,87 +4,87 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from corpus.expectations import expectation, jobs
 from support.goldens import ROOT
-from support.traps import machine_files
+from support.target_machines import machine_like
 
-from gproof.driver.errors import UsageError
-from gproof.driver.session import open_session
-from gproof.driver.targets import TARGETS
-from gproof.driver.translation import Translation, Wanted, raised, translate
-from gproof.driver.translation_map import proposed
-from gproof.ir.verdict import Verdict
+if TYPE_CHECKING:
+    from gproof.driver.translation import Translation
 
 DIALECTS = ("eding", "wincnc", "mcuwin")
+OTHERS = ("linuxcnc", "grbl")
 PAGE = ROOT / "docs" / "translation-corpus.md"
 NOT_WRITTEN = {"GP703": "refused", "GP704": "not the same", "GP705": "open"}
 
 
+@dataclass(frozen=True)
+class CorpusJob:
+    """A job that `gproof check` calls SAFE. setup: a file, ``zero`` or None."""
+
+    name: str
+    dialect: str
+    job: Path
+    machine: Path
+    setup: str | None
+
+    def __str__(self) -> str:
+        return self.name
+
+
 @cache
-def safe_jobs() -> tuple[tuple[str, Path], ...]:
-    """(dialect, job) of every job that `gproof check` calls SAFE."""
+def safe_jobs() -> tuple[CorpusJob, ...]:
+    """All of them, those of Eding CNC by their folders, others by shop and name."""
     return tuple(
-        (dialect, job) for dialect in DIALECTS for job in jobs(dialect) if expectation(job)["verdict"] == "SAFE"
+        _job(dialect, job) for dialect in DIALECTS for job in jobs(dialect) if expectation(job)["verdict"] == "SAFE"
     )
+
+
+def _job(dialect: str, job: Path) -> CorpusJob:
+    told = expectation(job)
+    name = job.parent.name if dialect == "eding" else f"{job.parents[1].name}/{job.stem}"
+    return CorpusJob(name, dialect, job, Path(told["machine"]), told.get("setup"))
 
 
 def targets_of(dialect: str) -> list[str]:
     """The controllers that a job goes to."""
-    return [name for name in TARGETS if name != dialect]
-
-
-SHOP = {
-    "CNC.MAC": "M3=M11C2\nM4=M11C1\nM5=M98 REST.MAC\nM6=M98 CHANGE.MAC\nM7=M11C4\nM8=M11C3\nM9=M98 DRY.MAC\n",
-    "REST.MAC": "M12C1\nM12C2\n",
-    "DRY.MAC": "M12C3\nM12C4\n",
-    "CHANGE.MAC": "G53 Z0\nG4 [put it in]\nL101 T{t}\n",
-}
-"""A shop with WinCNC that has what the jobs use: the spindle both ways, mist and flood, a tool change by hand."""
+    return [name for name in (*DIALECTS, *OTHERS) if name != dialect]
 
 
 @cache
-def _machines() -> Path:
-    """A folder with a machine of each controller that needs files of its own."""
-    folder = Path(tempfile.mkdtemp())
-    for dialect in DIALECTS:
-        (folder / dialect).mkdir()
-        for name, data in machine_files(dialect).items():
-            (folder / dialect / name).write_bytes(data)
-    for name, commands in SHOP.items():
-        (folder / "wincnc" / name).write_text(commands)
-    return folder
+def machine_for(machine: Path, to: str) -> Path:
+    """The machine file of the target: a machine like the source's."""
+    return machine_like(machine, to, Path(tempfile.mkdtemp()))
 
 
-def machine_for(dialect: str, to: str) -> Path | None:
-    """The machine file of the target; None: that of the source, whose axes and travel are the same."""
-    folder = _machines() / to
-    if to not in DIALECTS or to == "eding":
-        return None
-    return next(path for path in sorted(folder.iterdir()) if path.name in {"machine.toml", "WINCNC.INI", "McuWIN.ini"})
+@lru_cache(maxsize=32)
+def translated(job: CorpusJob, to: str, *, exact: bool = False) -> Translation:
+    """A job with the map that gproof proposes for it, on a machine like its own."""
+    from gproof.driver.errors import UsageError
+    from gproof.driver.session import open_session
+    from gproof.driver.targets import TARGETS
+    from gproof.driver.translation import Wanted, raised, translate
+    from gproof.driver.translation_map import proposed
 
-
-def translated(dialect: str, job: Path, to: str) -> Translation:
-    """A job with the map that gproof proposes for it."""
-    told = expectation(job)
-    setup = told.get("setup")
-    session = open_session(job, machine=Path(told["machine"]), setup=setup, dialect=dialect)
+    session = open_session(job.job, machine=job.machine, setup=job.setup, dialect=job.dialect)
     given = None
     with contextlib.suppress(UsageError):
         given = proposed(raised(session), TARGETS[to].target())
     return translate(
         Wanted(
-            job=job, to=to, machine=Path(told["machine"]), setup=setup, dialect=dialect, given=given,
-            machine_to=machine_for(dialect, to),
+            job=job.job, to=to, machine=job.machine, setup=job.setup, dialect=job.dialect, exact=exact, given=given,
+            machine_to=machine_for(job.machine, to),
         )
     )  # fmt: skip
 
 
 def outcome(done: Translation) -> str:
     """In a cell of the page: ``proven``, or what keeps it from being so."""
-    if done.verdict is Verdict.SAFE:
+    if done.verdict.value == "SAFE":
         return "proven"
     first = done.findings.kept[0]
     word = NOT_WRITTEN.get(first.code.label, first.code.label)
@@ -92,16 +92,15 @@ def outcome(done: Translation) -> str:
     return f"{word}: {what}".rstrip(": ").replace("|", "\\|")
 
 
-def row(dialect: str, job: Path) -> str:
+def row(job: CorpusJob) -> str:
     """The row of a job."""
-    name = job.parent.name if dialect == "eding" else f"{job.parents[1].name}/{job.stem}"
-    cells = [outcome(translated(dialect, job, to)) if to != dialect else "–" for to in TARGETS]
-    return f"| {dialect}: {name} | {' | '.join(cells)} |"
+    cells = [outcome(translated(job, to)) if to != job.dialect else "–" for to in (*DIALECTS, *OTHERS)]
+    return f"| {job.dialect}: {job.name} | {' | '.join(cells)} |"
 
 
 def page() -> str:
     """The whole page."""
-    rows = [row(dialect, job) for dialect, job in safe_jobs()]
+    rows = [row(job) for job in safe_jobs()]
     cells = [cell.strip() for one in rows for cell in one.split("|")[2:-1] if cell.strip() != "–"]
     proven = sum(cell == "proven" for cell in cells)
     refused = sum(cell.startswith("refused") for cell in cells)
@@ -114,8 +113,8 @@ writes this page; a share of its rows is checked in every run of the tests, all 
 Of {len(cells)} translations {proven} are proven, {refused} are refused by a construct that is named, and
 {len(cells) - proven - refused} are open or not the same; then nothing is written.
 
-| job | {" | ".join(TARGETS)} |
-|---|{"---|" * len(TARGETS)}
+| job | {" | ".join((*DIALECTS, *OTHERS))} |
+|---|{"---|" * len((*DIALECTS, *OTHERS))}
 """
     return head + "\n".join(rows) + "\n"
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 from support.campaigns import share
-from support.translated import CorpusJob, eding_jobs, shop_jobs, translated
+from support.translations import CorpusJob, safe_jobs, translated
 
 from gproof.driver.session import open_session
 from gproof.ir.verdict import Verdict
 
 from .test_linuxcnc import REFUSED, peer_moves, same_moves, source_moves, without_rests
 
-JOBS = [*eding_jobs(), *shop_jobs("wincnc"), *shop_jobs("mcuwin")]
+JOBS = safe_jobs()
 
 GRBL_REFUSED = REFUSED | {
     "choice", "output", "mist coolant", "optional stop", "axis A", "axis C", "work offset 7",
@@ -116,7 +116,7 @@ def test_what_grbl_does_not_have_becomes_moves(tmp_path: Path) -> None:
     assert "(a comment that is longer" in text
 
 
-@pytest.mark.parametrize("job", share(eding_jobs(), 12), ids=str)
+@pytest.mark.parametrize("job", share([job for job in JOBS if job.dialect == "eding"], 12), ids=str)
 def test_linuxcnc_makes_the_same_moves(job: CorpusJob, peer: None) -> None:
     done = translated(job, "grbl", exact=True)
     if done.verdict is not Verdict.SAFE:

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from differential import rs274_peer
 from support.campaigns import SOAK, share
-from support.translated import CorpusJob, eding_jobs, shop_jobs, translated
+from support.translations import CorpusJob, safe_jobs, translated
 
 from gproof.driver.running import execute
 from gproof.driver.session import Session, open_session
@@ -26,7 +26,7 @@ from gproof.ir.verdict import Verdict
 
 TOLERANCE = 1e-4
 """mm and degrees."""
-JOBS = [*eding_jobs(), *shop_jobs("wincnc"), *shop_jobs("mcuwin")]
+JOBS = safe_jobs()
 
 REFUSED = {
     "a cycle or a move that only this controller has", "asks the operator", "a command of this controller",
@@ -149,7 +149,7 @@ PEER_CANNOT = {
 
 def _for_the_peer() -> list[CorpusJob]:
     out = {name for names in PEER_CANNOT.values() for name in names}
-    return [job for job in eding_jobs() if job.name not in UNPROVEN and job.name not in out]
+    return [job for job in JOBS if job.dialect == "eding" and job.name not in UNPROVEN and job.name not in out]
 
 
 @pytest.mark.parametrize("job", share(_for_the_peer(), 8), ids=str)

@@ -61,8 +61,6 @@ from gproof.ir.target import Style, Target
 
 UNITS = {"mm": "G22", "inch": "G20", "cm": "G21"}
 CYCLES = {"drill": "G81", "dwell": "G82", "peck": "G83", "chip_break": "G73"}
-NEW_ZERO = ("mcuwin",)
-"""Languages whose jobs leave no zero: each one selects its own."""
 NAME = re.compile(r"[^A-Z0-9_]+")
 
 
@@ -106,7 +104,7 @@ class WinCncWriter(JobWriter):
             self.line(line)
         self.body(body[first:])
         self._end_cycle()
-        if self._leaves(self.job.body) and self.job.source not in NEW_ZERO:
+        if self._leaves(self.job.body):
             self.line("L92")
         for line in self.footer():
             self.line(line)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gproof.ir.machine import AXIS_NAMES
-from gproof.ir.symbolic import ORIGIN, Unknown, Value, between, bounds
+from gproof.ir.symbolic import ORIGIN, Unknown, Value, at_place, between, bounds
 from gproof.ir.trace import (
     HEIGHT_MAP,
 )
@@ -97,6 +97,13 @@ def _kinematics(m: Modal) -> Value:
     return 1.0 if m.setup.cylinder is None else 2.0
 
 
+def _work_offset(m: Modal, number: int, axis: int) -> Value:
+    """#5221 to #5386: the zero of a coordinate system, from machine zero."""
+    at, unit = m.work_offsets[(number - 5221) // 20 + 1, axis], m.machine_unit(axis)
+    value = m.plain(at, unit, number)
+    return at_place(value, axis, at, ORIGIN, unit) if isinstance(value, Unknown) else value
+
+
 SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "position": lambda m, n, k: m.shown_position(n, k),
     "machine_position": lambda m, n, k: m.shown(n, k, m.position[k], ORIGIN),
@@ -120,7 +127,7 @@ SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "kinematics": lambda m, n, k: _kinematics(m),
     "height_map": lambda m, n, k: float(HEIGHT_MAP in m.following),
     "g92": lambda m, n, k: m.plain(m.g92_stored[k], m.machine_unit(k), n),
-    "work": lambda m, n, k: m.plain(m.work_offsets[(n - 5221) // 20 + 1, k], m.machine_unit(k), n),
+    "work": _work_offset,
     "work_number": lambda m, n, k: float(m.work) if m.work else Unknown("the active coordinate system"),
     "head_offset": _head_offset,
     "head_speed": _head_speed,

@@ -23,7 +23,7 @@ from gproof.passes.interpret.core.modal_state import NO_OFFSET
 from gproof.passes.interpret.core.parsed_line import LARGEST, Line
 from gproof.passes.interpret.core.tool_table import TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.interpret.eding import compensation_codes as compensated
-from gproof.passes.interpret.eding.axis_targets import aim, bounded, note_assumptions
+from gproof.passes.interpret.eding.axis_targets import aim, bounded, named_place, note_assumptions
 from gproof.passes.interpret.eding.transform_codes import shifts
 
 if TYPE_CHECKING:
@@ -246,7 +246,7 @@ def _set_coordinates(run: Run, line: Line, rule: CodeRule) -> None:
         if key == 20:
             s.work_offsets[system, axis] = _from_actual(run, axis, _back(run, axis, value))
         elif isinstance(value, Unknown):
-            s.work_offsets[system, axis] = bounded(run, axis, value, Position(0.0))
+            s.work_offsets[system, axis] = named_place(run, axis, value, ORIGIN) or bounded(run, axis, value, ORIGIN)
         else:
             s.work_offsets[system, axis] = Position(value * s.scale(axis))
     if key == 20 and shifts(run, line, rule):

@@ -68,7 +68,11 @@ def put(wanted: Zero, context: Context, span: Span) -> list[Node] | None:
         number = Number(float(wanted.offset), span)
         return [*off, SetFrame(action="select", number=number, span=span)]
     known = {axis: place for axis in AXIS_NAMES if (place := wanted.place(axis)) is not None}
-    stored = {axis: place for axis, place in known.items() if axis in context.axes or place[0] == 0}
+    # An axis that the job does not move keeps its zero for the next job, where the target can read it.
+    stored = {
+        axis: place for axis, place in known.items()
+        if axis in context.axes or place[0] == 0 or (axis in context.options.axes and _readable(axis, context))
+    }  # fmt: skip
     if any(axis not in known for axis in context.axes) or not all(
         place[0] == 0 or _readable(axis, context) for axis, place in stored.items()
     ):
