@@ -24,7 +24,7 @@ class FolderPrograms:
 
 
 def folder_programs(wanted: Wanted, tell: Tell) -> FolderPrograms:
-    """UsageError for a folder without programs, a side without a machine, and an entry of the map that nothing needs."""
+    """UsageError for a folder without programs, a side without a machine, an entry of the map that nothing needs."""
     found = find_jobs(
         [str(wanted.job)], tell, machine=wanted.machine, setup=wanted.setup, dialect=wanted.dialect
     )  # fmt: skip
