@@ -16,18 +16,19 @@ from gproof.driver.errors import UsageError
 from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
 from gproof.driver.translation_machines import MachineTo, machine_to, require_source
-from gproof.driver.translation_terms import terms_of
+from gproof.driver.translation_terms import measured, only_local, same_travel
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import NO_OUTPUTS, Program
+from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
 from gproof.ir.record import field, record
 from gproof.ir.setup import NOTHING
 from gproof.ir.target import Style, Target
 from gproof.ir.trace import Trace
 from gproof.ir.translation_map import NO_MAP, TranslationMap
+from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 from gproof.ir.verdict import Verdict
 from gproof.passes.legalize.by_map import Mapped, by_map
 from gproof.passes.legalize.context import Lowered, Options
@@ -36,6 +37,8 @@ from gproof.verify.translation.compare import compare
 from gproof.verify.translation.comparison import Comparison, Divergence
 from gproof.verify.translation.words import sentence
 
+ROUNDING = 1.02
+"""Rounding of sums besides that of the printed digits."""
 EXACT_DECIMALS = 12
 """Decimals with ``exact``: more than a double has of millimetres."""
 
@@ -319,3 +322,59 @@ def _printed_line(done: Translation, found: Divergence) -> tuple[Related, ...]:
     rows = done.files.get(name, done.files.get("", b"")).split(b"\n")
     text = rows[line - 1].decode("utf-8", "replace").strip() if 0 < line <= len(rows) else ""
     return (Related(Span(name, line), f"here the translation has: {text}"),)
+
+
+def terms_of(
+    done: Translation, outputs: SpindleOutputs, source: Machine, target: Machine, wanted: Wanted, style: Style
+) -> TranslationTerms:
+    """What both sides agree on."""
+    own = done.session.program
+    assert own is not None
+    half = 0.5 * max(10.0**-style.decimals_mm, 25.4 * 10.0**-style.decimals_inch) * ROUNDING
+    chords = any(one.pattern == "arc -> chords" for one in done.lowered)
+    left_out = frozenset(
+        name for name, had in (("path_mode", done.target.path_modes), ("guards", "guard" in done.target.legal),
+            ("table", "frame_store" in done.target.legal),)
+        if not had
+    )  # fmt: skip
+    given = done.map
+    back = {new: old for old, new in given.tools.items()}
+    spare = done.target.spare_offset if done.spare_used else 0
+    axes = frozenset(name for name in AXIS_NAMES if source.axis(name) and target.axis(name))
+    return TranslationTerms(
+        axes=axes,
+        scratch=frozenset(f"work.{spare}.{axis}" for axis in AXIS_NAMES if spare),
+        source=done.session.dialect, target=done.target.name, tolerance_mm=half + 1e-9,
+        tolerance_deg=0.5 * 10.0**-style.decimals_deg * ROUNDING + 1e-9,
+        chord_mm=wanted.chord_tolerance if chords else 0.0, feed_relative=1e-4, seconds=1e-4,
+        source_outputs=own.spindle_outputs, target_outputs=outputs,
+        source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
+        outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
+        tools=tuple(sorted(given.tools.items())),
+        source_symbols=only_local(done.session.dialect, done.target.name)
+        + measured(done.session.dialect, done.target.name, target, back)
+        + tuple(
+            SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
+            for old, new in given.offsets.items() for axis in AXIS_NAMES
+        ),
+        target_symbols=(
+            *only_local(done.target.name, done.session.dialect),
+            *measured(done.target.name, done.session.dialect, source, given.tools),
+            *_lengths_in_zeros(done),
+        ),
+        coolant=tuple(sorted(given.coolant.items())),
+        rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_travel(source, target),
+        tool_by_stop=given.tool_change == "stop",
+    )  # fmt: skip
+
+
+def _lengths_in_zeros(done: Translation) -> tuple[SymbolMeaning, ...]:
+    """Work zeros of a controller without tool lengths: a length that the job leaves as it is, is in them."""
+    own = TARGETS.get(done.session.dialect)
+    has_lengths = own is None or "length" in own.target().legal
+    if not has_lengths or "length" in done.target.legal or any(one.feature == "length" for one in done.lowered):
+        return ()
+    return tuple(
+        SymbolMeaning(symbol=f"work.{n}.z", form=(("tool.0.z", 1), (f"work.{n}.z", 1)))
+        for n in range(1, done.target.offsets + 1)
+    )
