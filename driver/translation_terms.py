@@ -1,5 +1,5 @@
-"""What the machines and languages of two programs say of each other: which zero is which, whether machine coordinates are
-the same places."""
+"""What the machines and languages of two programs say of each other: which zero is which, whether machine coordinates
+are the same places."""
 
 from __future__ import annotations
 
