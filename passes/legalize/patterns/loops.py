@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gproof.ir.job import CountLoop, LoopWhile, Node, SetVariable
 from gproof.ir.program import Binary, Number
 from gproof.passes.legalize.context import Context
@@ -43,6 +45,13 @@ def unrolled_count(node: Node, feature: str, context: Context) -> list[Node] | N
     return found
 
 
+def first_question(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A loop with its condition at the end, whose condition holds already when it begins."""
+    if not isinstance(node, LoopWhile) or not node.first or not context.value(node.condition):
+        return None
+    return [replace(node, first=False)]
+
+
 def first_pass(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A loop with its condition at the end: a pass, then one with the condition at the start."""
     if not isinstance(node, LoopWhile) or not node.first:
@@ -63,6 +72,7 @@ def unrolled(node: Node, feature: str, context: Context) -> list[Node] | None:
 PATTERNS = (
     Pattern(name="counted loop -> loop with a condition", removes=("count_loop",), apply=counted),
     Pattern(name="counted loop -> its passes", removes=("count_loop",), apply=unrolled_count, unrolls=True),
-    Pattern(name="condition at the end -> at the start", removes=("repeat",), apply=first_pass, unrolls=True),
+    Pattern(name="condition at the end -> at the start", removes=("repeat",), apply=first_question),
+    Pattern(name="loop -> a pass, then a loop", removes=("repeat",), apply=first_pass, unrolls=True),
     Pattern(name="loop -> its passes", removes=("while", "variable", "expression"), apply=unrolled, unrolls=True),
 )

@@ -130,6 +130,9 @@ CASES = {
     ),
     "counted loop -> its passes": Case("grbl", job(COUNT), "cut x1; cut x2", other_target="eding"),
     "condition at the end -> at the start": Case(
+        "eding", job(ZERO, REPEAT), "#1 = 0; while (#1 < 2) {cut x#1; #1 = (#1 + 1)}", other=job(REPEAT)
+    ),
+    "loop -> a pass, then a loop": Case(
         "eding", job(REPEAT), "cut x#1; #1 = (#1 + 1); while (#1 < 2) {cut x#1; #1 = (#1 + 1)}", other_target="linuxcnc"
     ),
     "loop -> its passes": Case("grbl", job(ZERO, LOOP), "cut x0; cut x1", other_target="eding"),
