@@ -228,6 +228,13 @@ def test_mode_is_unknown_after_a_choice(tmp_path: Path) -> None:
     assert words(tmp_path, lines)[1:] == ["NOT axis words", "feed x2"]
 
 
+def test_a_centre_left_open_counts_only_where_a_word_is_missing(tmp_path: Path) -> None:
+    """J is not 0 on one way of the choice: an arc with both words is that arc, one without J is open."""
+    way = "G01 X10 Y0 F100\n$if E5.1 then begin\nG02 X10 Y20 I0 J10\nG01 X10 Y0\n$end;\n"
+    assert words(tmp_path, f"{way}G02 X12 Y0 I1 J0")[-1] == "cw xy x12 y0 about x+1 y+0"
+    assert words(tmp_path, f"{way}G02 X12 Y0 I1")[-1].startswith("NOT an arc without J")
+
+
 def test_mode_is_unknown_after_a_jump(tmp_path: Path) -> None:
     """The label is reached in G90 from above and in G91 by the jump (4.15)."""
     lines = "G90\nL10\nG01 X1 F5\nG91\n$if (CI600 < 5) then begin\nM96 L10\n$end"
