@@ -109,7 +109,7 @@ def _arc(
     if not any(letter in words for letter in letters):
         raise Unraisable(rule.text, "it has no centre (3.3)")
     relative = not places_of_centers(state)
-    zero_before = state.now.own("center")
+    zero_before: Any = state.now.own("center")
     if zero_before == UNKNOWN_MODE:
         zero_before = (False,) * len(CENTERS)  # none of them is surely 0, which counts where a word is missing
     zero_now = list(zero_before)
