@@ -16,7 +16,7 @@ from gproof.driver.errors import UsageError
 from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
 from gproof.driver.translation_machines import MachineTo, machine_to, require_source
-from gproof.driver.translation_terms import measured, only_local, same_travel
+from gproof.driver.translation_terms import lengths_in_numbers, lengths_of, measured, only_local, same_travel
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Related, Severity, Span
@@ -87,6 +87,7 @@ class Translation:
     partial: bool = False
     spare_used: bool = False
     chord_tolerance: float = 0.0
+    lengths: dict[int, float] = field(default_factory=dict)
 
 
 def translate(wanted: Wanted) -> Translation:
@@ -110,7 +111,7 @@ def translate(wanted: Wanted) -> Translation:
     given = wanted.given or map_in(wanted.map)
     legal = legal_job(session, target, to.machine, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
-    done.spare_used, done.kept = legal.spare_used, dict(legal.kept)
+    done.spare_used, done.lengths, done.kept = legal.spare_used, legal.lengths, dict(legal.kept)
     for refused in legal.refused:
         tried = f"tried: {'; '.join(refused.tried)}" if refused.tried else ""
         done.findings.add(
@@ -188,6 +189,7 @@ def legal_job(
         chord_tolerance=wanted.chord_tolerance, block_delete=setup.block_delete, values=values,
         coolant=given.coolant, tool_change=given.tool_change,
         axes=frozenset(name for name in AXIS_NAMES if session.machine.axis(name) and machine.axis(name)),
+        lengths=lengths_of(session, machine, given),
     )  # fmt: skip
     return legalize(mapped.job, target, options)
 
@@ -353,6 +355,7 @@ def terms_of(
         tools=tuple(sorted(given.tools.items())),
         source_symbols=only_local(done.session.dialect, done.target.name)
         + measured(done.session.dialect, done.target.name, target, back)
+        + lengths_in_numbers(done.lengths, back)
         + tuple(
             SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
             for old, new in given.offsets.items() for axis in AXIS_NAMES

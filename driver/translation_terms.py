@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from gproof.driver.dialects import DIALECTS
+from gproof.driver.session import Session
 from gproof.ir.dialects import rules_named
 from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.translation_map import TranslationMap
 from gproof.ir.translation_terms import SymbolMeaning
 
 
@@ -22,6 +24,24 @@ def measured(name: str, other: str, machine: Machine, numbers: Mapping[int, int]
         return ()
     lengths = {numbers.get(tool.number, tool.number): tool.length for tool in machine.tools if tool.length is not None}
     return tuple(SymbolMeaning(symbol=f"tool.{number}.z", mm=length) for number, length in sorted(lengths.items()))
+
+
+def lengths_of(session: Session, machine: Machine, given: TranslationMap) -> dict[int, float]:
+    """mm of tools of the target: of the map, of its machine file, of the files of the source, in this order."""
+    stated = {number: one.low for number, one in session.setup.tool_lengths.items() if one.low == one.high}
+    found = {tool.number: tool.length for tool in session.machine.tools if tool.length is not None} | stated
+    found = {given.tools.get(number, number): length for number, length in found.items()}
+    found |= {tool.number: tool.length for tool in machine.tools if tool.length is not None}
+    return found | given.lengths
+
+
+def lengths_in_numbers(lengths: Mapping[int, float], numbers: Mapping[int, int]) -> tuple[SymbolMeaning, ...]:
+    """Tool lengths of the source that are in the work zero of a controller without any: as printed, none at the start
+    and then what the files say. numbers: of tools of the target, as the source has them."""
+    if not lengths:
+        return ()
+    known = {numbers.get(number, number): length for number, length in lengths.items()}
+    return tuple(SymbolMeaning(symbol=f"tool.{n}.z", mm=mm) for n, mm in sorted({0: 0.0, **known}.items()))
 
 
 def only_local(name: str, other: str) -> tuple[SymbolMeaning, ...]:

@@ -82,6 +82,7 @@ FEATURES: dict[str, str] = {
     "frame_zero_register": "work zero kept in one of several places",
     "frame_zero_shift": "work zero moved",
     "frame_zero_at": "work zero at a machine place",
+    "frame_length": "work zero set while a tool length is in force",
     "path_filter": "path mode with a filter",
     "path_continuous": "continuous path",
     "path_tolerance": "tolerance of continuous path",

@@ -16,6 +16,7 @@ STYLE_KEYS = ("decimals_mm", "decimals_inch", "decimals_deg", "decimals", "numbe
 class TranslationMap:
     """outputs, inputs, tools, offsets: number of the source -> of the target; coolant: ``mist`` or ``flood`` of the
     source -> the word of the target; tool_change: ``stop``: where the target has no tool change, the program stops;
+    lengths: mm of tools of the target, for a controller that has no tool lengths;
     style: fields of ``Style`` by name. given: a file states it: what it lacks is not the same number then."""
 
     outputs: dict[int, int] = field(default_factory=dict)
@@ -24,6 +25,7 @@ class TranslationMap:
     offsets: dict[int, int] = field(default_factory=dict)
     coolant: dict[str, str] = field(default_factory=dict)
     tool_change: str = ""
+    lengths: dict[int, float] = field(default_factory=dict)
     style: dict[str, object] = field(default_factory=dict)
     given: bool = False
 

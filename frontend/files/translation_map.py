@@ -22,7 +22,7 @@ def load_translation_map(path: Path, findings: Findings) -> TranslationMap | Non
         return None
     found = TranslationMap(
         outputs=_numbers(root, "outputs"), inputs=_numbers(root, "inputs"), tools=_numbers(root, "tools"),
-        offsets=_numbers(root, "offsets"), coolant=_coolant(root), style=_style(root),
+        offsets=_numbers(root, "offsets"), coolant=_coolant(root), style=_style(root), lengths=_lengths(root),
         tool_change=root.text("tool_change", ("stop",)) or "", given=True,
     )  # fmt: skip
     root.finish()
@@ -44,6 +44,23 @@ def _numbers(root: TomlTable, name: str) -> dict[int, int]:
         if value is not None:
             if value in found.values():
                 table.bad(key, f"{value} is there twice: two of the source would be one")
+            found[int(key)] = value
+    table.finish()
+    return found
+
+
+def _lengths(root: TomlTable) -> dict[int, float]:
+    """``4 = 62.5``: number of a tool of the target, mm that it is long."""
+    table = root.table("lengths")
+    found: dict[int, float] = {}
+    if table is None:
+        return found
+    for key in list(table.values):
+        if not key.isascii() or not key.isdigit() or int(key) > HIGHEST:
+            table.bad(key, f"a number from 0 to {HIGHEST} is expected before the sign")
+            continue
+        value = table.number(key)
+        if value is not None:
             found[int(key)] = value
     table.finish()
     return found

@@ -51,7 +51,8 @@ MOST_OPERATIONS = 200_000
 class Options:
     """chord_tolerance: mm that chords may be off an arc. coolant, tool_change: see ``TranslationMap``; block_delete:
     whether the switch is on, None: not known; values: variables whose values are stated; axes: names of those that both
-    machines have: the job may leave a zero on one that it does not move."""
+    machines have: the job may leave a zero on one that it does not move; lengths: mm of tools of the
+    target, for one that has no tool lengths."""
 
     chord_tolerance: float = 0.01
     coolant: Mapping[str, str] = field(default_factory=dict)
@@ -59,6 +60,7 @@ class Options:
     block_delete: bool | None = None
     values: Mapping[int, float] = field(default_factory=dict)
     axes: frozenset[str] = frozenset()
+    lengths: Mapping[int, float] = field(default_factory=dict)
 
 
 @record(frozen=True, slots=True)
@@ -85,9 +87,13 @@ class Zero:
 
 _KNOWN = (
     "values", "place", "spindle", "coolant", "switched", "turns", "program_place", "zero", "local_off", "kept", "local",
-    "suspended", "remembered", "moved", "offsets", "selected", "shift",
+    "suspended", "remembered", "moved", "offsets", "selected", "shift", "length", "measuring",
 )  # fmt: skip
 """What a context knows at a place."""
+
+
+SELECTED, IN_SPINDLE = -1, -2
+"""Numbers of no variables: under them the context keeps the tool that is selected, and that in the spindle."""
 
 
 class TooLong(Exception):
@@ -102,7 +108,11 @@ class Context:
     None: not known, suspended: the one that was suspended; remembered: what ``zero_keep`` kept, moved: axes that moved
     since; settled: a select after which the local offset is brought back; unit: of lengths, as the source has it;
     offsets: places that the job stored, of offsets that the target does not have, selected: which is in force,
-    shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force."""
+    shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force; why: a pattern that
+    does not fit says what it lacks; length: mm of the tool that are in the zero of a target without tool lengths, None:
+    not known; measuring: each tool's length counts from its change on; kept_length: what
+    ``zero_keep`` kept of it; keeping: the job itself uses the place for a kept zero; lengths_used: by tool; as_is:
+    frames and changes that are meant without a length, or have it already, with whether they move the place of Z."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -135,6 +145,13 @@ class Context:
         self.lowered: list[Lowered] = []
         self.assumed: dict[str, None] = {}
         self.spent = 0
+        self.why = ""
+        self.length: float | None = 0.0
+        self.measuring = False
+        self.lengths_used: dict[int, float] = {}
+        self.kept_length: float | None = None
+        self.keeping = False
+        self.as_is: list[tuple[Node, bool]] = []
 
     @property
     def transform(self) -> Transform:
@@ -179,8 +196,14 @@ class Context:
         self.switched |= other["switched"]
         self.moved |= other["moved"]
         self.program_place = {}
-        if any(getattr(self, name) != other[name] for name in ("zero", "local_off", "kept")):
-            self.forget_zero()
+        if self.zero != other["zero"]:
+            there = other["zero"]
+            places = {axis: at for axis in AXIS_NAMES if (at := self.zero.place(axis)) and at == there.place(axis)}
+            self.zero = Zero(0, places)
+        self.local_off = self.local_off and other["local_off"]
+        self.kept = {key: one for key, one in self.kept.items() if other["kept"].get(key) == one}
+        self.length = self.length if self.length == other["length"] else None
+        self.measuring = self.measuring and other["measuring"]
         for name in ("local", "suspended", "remembered"):
             if getattr(self, name) != other[name]:
                 setattr(self, name, None)
@@ -231,12 +254,28 @@ class Context:
         elif isinstance(node, ParkAt | HomeAxes | ChangeTool | UseLength):
             self.place = {}
             self.moved.update(AXIS_NAMES)
-            if isinstance(node, ChangeTool) and node.change and node.rests:
-                self.spindle = "off"
+            if isinstance(node, ChangeTool):
+                self._after_change(node)
         elif isinstance(node, RunRoutine):
             self.forget(self.job.routines[node.name].body)
         elif isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid):
             self.forget((node,))
+
+    def _after_change(self, node: ChangeTool) -> None:
+        number = None if node.number is None else self.value(node.number)
+        known = self.values.get(SELECTED) if node.number is None else number
+        if node.select and node.number is not None:
+            self._keep(SELECTED, number)
+        if node.change:
+            self.spindle = "off" if node.rests else self.spindle
+            self._keep(IN_SPINDLE, known)
+
+    def _keep(self, key: int, value: float | None) -> None:
+        """Of a variable's number, or SELECTED and IN_SPINDLE."""
+        if value is None:
+            self.values.pop(key, None)
+        else:
+            self.values[key] = value
 
     def come_back(self, select: SetFrame, moved: set[str]) -> None:
         """This operation, some operations on, brings back what is known now, but for the places of some axes."""
@@ -258,6 +297,10 @@ class Context:
                 self.shift[place.axis] = self.shift.get(place.axis, 0.0) + by
 
     def _after_frame(self, node: SetFrame) -> None:
+        if node.action == "zero_shift" and self.is_as_is(node):
+            if "z" in self.place and next(moves for one, moves in self.as_is if one is node):
+                self.place["z"] -= self.mm(node.places[0].at) or 0.0
+            return
         self._after_shift(node)
         number = None if node.number is None else self.value(node.number)
         if self.coming is not None and node is self.coming[0]:
@@ -280,12 +323,19 @@ class Context:
             self.local_off = True
         elif node.action == "zero_keep":
             self.remembered = number, self.zero, self.local, dict(self.place)
+            self.kept_length = self.length
+            self.keeping |= not self.is_as_is(node)
             self.moved.clear()
             return
         elif node.action == "zero_recall" and self.remembered is not None and self.remembered[0] == number:
             _, self.zero, self.local, place = self.remembered
             self.place = {axis: at for axis, at in place.items() if axis not in self.moved}
             return
+        elif node.action == "zero_at":
+            kept = {axis: one for axis in AXIS_NAMES if (one := self.zero.place(axis)) is not None}
+            moved = {place.axis: self.mm(place.at) for place in node.places}
+            kept |= {axis: (0, at) for axis, at in moved.items() if at is not None}
+            self.zero = Zero(0, {axis: at for axis, at in kept.items() if moved.get(axis, 0.0) is not None})
         elif node.action.startswith("zero") or node.axes:
             self.zero = Zero()
         here = {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None and not p.relative}
@@ -316,6 +366,28 @@ class Context:
             return True
         one_offset = "frame_zero_shift" in self.target.legal and "frame_local_here" not in self.target.legal
         return is_select and one_offset and bool(self.local)
+
+    def is_as_is(self, node: Node) -> bool:
+        """Whether a frame is meant as it stands, without the length of the tool."""
+        return any(node is one for one, _ in self.as_is)
+
+    def loses_length(self, node: Node) -> bool:
+        """Whether a tool length, which a target without lengths has in its zero, has to be put there again."""
+        if "length" in self.target.legal or "frame_zero_shift" not in self.target.legal:
+            return False
+        if isinstance(node, ChangeTool):
+            return node.change and self.measuring and not self.is_as_is(node)
+        if self.length == 0.0 and not (
+            isinstance(node, SetFrame) and node.action == "zero_recall" and self.kept_length
+        ):
+            return False
+        if isinstance(node, SetFrame):
+            named = {"z", *(place.axis for place in node.places)} if node.action == "zero_recall" else set()
+            named |= {place.axis for place in node.places} | (
+                set(node.axes or "z") if node.action == "select" else set()
+            )
+            return node.action in {"select", "zero_at", "zero_recall"} and "z" in named and not self.is_as_is(node)
+        return False
 
     def local_after(self, node: SetFrame) -> dict[str, float] | None:
         """The local offset after the present place has got these names; None where it is not known."""
@@ -384,27 +456,32 @@ class Context:
         self.forget(self.job.body)
         self.values = {}
 
-    def forget_zero(self) -> None:
-        """Which zero is in force is not known, nor what was kept."""
-        self.zero, self.local_off, self.kept = Zero(), False, {}
-
     def forget(self, body: Nodes) -> None:
         """What these operations may change is not known after them: places, and variables that they write."""
         self.place = {}
         for node in self._all(body, set()):
             if isinstance(node, SetFrame):
-                self.forget_zero()
+                self.zero, self.local_off = Zero(), False
+                if node.action in {"store", "store_here", "zero_keep"}:
+                    self.kept = {}
                 if node.action in {"store", "store_here", "select"}:
                     self.offsets, self.selected = {}, 0
                 if node.action.startswith("zero"):
                     self.shift = None
                 if node.action.startswith(("local", "zero")):
                     self.local = None
-            if isinstance(node, SetVariable):
+            if isinstance(node, UseLength):
+                self.length = None if node.on or self.length else self.length
+                self.measuring |= node.on
+            elif isinstance(node, ChangeTool):
+                self.length = None if self.measuring else self.length
+                self.values.pop(IN_SPINDLE, None)
+                self.values.pop(SELECTED, None)
+            elif isinstance(node, SetVariable):
                 number = node.target.number
                 if not isinstance(number, Number):
                     self.values.clear()
-                    return
+                    continue
                 self.values.pop(round(number.value), None)
             elif isinstance(node, CountLoop) and isinstance(node.variable.number, Number):
                 self.values.pop(round(node.variable.number.value), None)

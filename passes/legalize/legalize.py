@@ -17,6 +17,7 @@ import numpy as np
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     ArcTo,
+    ChangeTool,
     Choice,
     CountLoop,
     DrillHole,
@@ -36,6 +37,7 @@ from gproof.ir.job import (
     Routine,
     RunRoutine,
     SetFrame,
+    UseLength,
     bodies,
     used_routines,
     walk,
@@ -48,6 +50,7 @@ from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
 from gproof.passes.legalize.kept import count_kept
 from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.patterns.constants import fold
+from gproof.passes.legalize.patterns.lengths import merged
 from gproof.passes.legalize.registry import PATTERNS
 from gproof.passes.legalize.structured import structured
 from gproof.passes.legalize.transform import SAME, Transform
@@ -74,7 +77,8 @@ class NotLegal:
 @record(slots=True, kw_only=True)
 class Legal:
     """job: everything is legal in it but what is ``refused``, of which it has marks; spare_used: the spare work offset
-    of the target holds zeros in machine places; kept: how often the source has each feature that stays as it is."""
+    of the target holds zeros in machine places; kept: how often the source has each feature that stays as it is;
+    lengths: mm of tools that are in the numbers."""
 
     job: Job
     lowered: list[Lowered] = field(default_factory=list)
@@ -82,13 +86,39 @@ class Legal:
     assumed: list[str] = field(default_factory=list)
     spare_used: bool = False
     kept: Counter[str] = field(default_factory=Counter)
+    lengths: dict[int, float] = field(default_factory=dict)
 
 
 def legalize(job: Job, target: Target, options: Options) -> Legal:
-    """The whole job."""
+    """The whole job. Where something is refused in a subprogram or a loop, because what is in force there is not the
+    same in each run, these are opened: what they do stands one after the other."""
     if "jump" not in target.legal:
         job = structured(job)
-    return _Legalizer(job, target, options).run()
+    opened = Opened()
+    legalizer = _Legalizer(job, target, options, opened)
+    found = legalizer.run()
+    for _ in range(MOST_ROUNDS):
+        more = legalizer.to_open()
+        if not more.routines | more.loops:
+            break
+        opened = Opened(opened.routines | more.routines, opened.loops | more.loops)
+        legalizer = _Legalizer(job, target, options, opened)
+        again = legalizer.run()
+        if not again.refused:
+            return again
+    return found
+
+
+MOST_ROUNDS = 8
+"""How often subprograms and loops are opened, each time deeper."""
+
+
+@record(frozen=True, slots=True)
+class Opened:
+    """Subprograms by name, and loops by the key of their place, that are not kept."""
+
+    routines: frozenset[str] = frozenset()
+    loops: frozenset[tuple[str, int]] = frozenset()
 
 
 def before_refusal(legal: Legal) -> Job:
@@ -116,12 +146,17 @@ def _all_within(body: Nodes, job: Job) -> Iterator[Node]:
 
 
 class _Legalizer:
-    def __init__(self, job: Job, target: Target, options: Options) -> None:
+    def __init__(self, job: Job, target: Target, options: Options, opened: Opened) -> None:
         self.job = job
         self.target = target
         self.options = options
+        self.opened = opened
         self.context = Context(job, target, options)
         self.refused: list[NotLegal] = []
+        self.around: list[tuple[str, int]] = []
+        self.in_routine = ""
+        self.is_lost = False
+        self.lost_in: set[str | tuple[str, int]] = set()
         self.patterns: dict[str, list[Pattern]] = {}
         for pattern in PATTERNS:
             for feature in pattern.removes:
@@ -133,8 +168,10 @@ class _Legalizer:
         """The body first: it says which routines stay."""
         try:
             body = self.body(self.job.body)
+            body = merged(body, self.context)
             for name in self._reached(body):
                 self.context.begin_routine(name)
+                self.in_routine = name
                 routine = self.job.routines[name]
                 self.routines[name] = replace(routine, body=self.body(routine.body))
         except TooLong:
@@ -142,13 +179,37 @@ class _Legalizer:
             span = self.context.lowered[-1].span if self.context.lowered else Span(self.job.files[0], 1)
             why = "unrolled, it has more operations than can be written"
             self.refused.append(NotLegal("a loop or a subprogram", why, span))
+            self.is_lost = True
         legal = Job(source=self.job.source, files=self.job.files, body=body, routines=self.routines)
         if not self.refused:
             legal.verify()
         return Legal(
             job=legal, lowered=self.context.lowered, refused=self.refused, assumed=list(self.context.assumed),
-            spare_used=self.context.spare_used, kept=self.kept,
+            spare_used=self.context.spare_used, lengths=dict(self.context.lengths_used), kept=self.kept,
         )  # fmt: skip
+
+    def _refuse(self, found: NotLegal, *, for_good: bool = False) -> None:
+        """for_good: nothing that is known besides would help."""
+        self.refused.append(found)
+        self.is_lost |= for_good
+        closed = [loop for loop in self.around if loop not in self.opened.loops]
+        if closed:
+            self.lost_in.add(closed[-1])
+        elif self.in_routine:
+            self.lost_in.add(self.in_routine)
+
+    def to_open(self) -> Opened:
+        """Subprograms and loops that keep something from being known; nothing where that does not help."""
+        if self.is_lost or not self.refused:
+            return Opened()
+        names = {one for one in self.lost_in if isinstance(one, str)}
+        loops = frozenset(one for one in self.lost_in if not isinstance(one, str))
+        if not self.lost_in:
+            names = {
+                name for name in self.routines
+                if any(isinstance(one, SetFrame | UseLength | ChangeTool) for one in self.context.routine_nodes(name))
+            }  # fmt: skip
+        return Opened(frozenset(names) - self.opened.routines, loops)
 
     def _reached(self, body: Nodes) -> list[str]:
         """Routines that legal operations run, each after those that it runs itself were found."""
@@ -172,10 +233,16 @@ class _Legalizer:
             found.add("operator")
         if isinstance(node, RunRoutine) and "variable" not in self.target.legal and self._is_computed(node):
             found.add("routine_arguments")
-        if isinstance(node, RunRoutine) and (self._moves_zero(node) or self.context.transform != SAME):
+        if isinstance(node, RunRoutine) and (
+            node.name in self.opened.routines or self._moves_zero(node) or self.context.transform != SAME
+        ):
             found.add("routine")
+        if self.opened.loops and isinstance(node, LoopWhile | CountLoop) and _place(node) in self.opened.loops:
+            found |= {"count_loop" if isinstance(node, CountLoop) else "repeat" if node.first else "while"}
         if isinstance(node, SetFrame) and self.context.loses_local(node):
             found.add("frame_select_local")
+        if isinstance(node, SetFrame | ChangeTool) and self.context.loses_length(node):
+            found.add("frame_length")
         if isinstance(node, SetFrame) and self.context.turns.get(_kind(node), SAME) != SAME:
             found.add(f"frame_{_kind(node)}")  # it is in the numbers, although the target has the operation
         if isinstance(node, DrillHole) and not self.target.cycle_returns and self._returns(node):
@@ -249,12 +316,13 @@ class _Legalizer:
 
     def _lost_to_transform(self, node: Node) -> Node:
         why = "under a rotation, scaling or mirror, a number that it needs is not known"
-        self.refused.append(NotLegal("a move", why, node.span))
+        self._refuse(NotLegal("a move", why, node.span))
         self.context.forget((node,))
         return NotRaised(construct="a move", why=why, span=node.span)
 
     def _rewritten(self, node: Node, feature: str) -> list[Node] | None:
         tried = []
+        self.context.why = ""
         for pattern in self.patterns.get(feature, ()):
             instead = pattern.apply(node, feature, self.context)
             if instead is not None:
@@ -263,10 +331,10 @@ class _Legalizer:
                 return instead
             tried.append(pattern.name)
         if isinstance(node, NotRaised):
-            self.refused.append(NotLegal(node.construct, node.why, node.span))
+            self._refuse(NotLegal(node.construct, node.why, node.span), for_good=True)
         else:
-            why = f"{self.target.title} does not have it"
-            self.refused.append(NotLegal(FEATURES[feature], why, node.span, tuple(tried)))
+            why = self.context.why or f"{self.target.title} does not have it"
+            self._refuse(NotLegal(FEATURES[feature], why, node.span, tuple(tried)), for_good=not tried)
         return None
 
     def _lost(self, node: Node, feature: str) -> list[Node]:
@@ -309,7 +377,12 @@ class _Legalizer:
         before.forget((node,))
         turns = dict(before.turns)
         before.program_place = {}
+        is_loop = isinstance(node, LoopWhile | CountLoop)
+        if is_loop:
+            self.around.append(_place(node))
         body = self.body(node.body)
+        if is_loop:
+            self.around.pop()
         before.program_place = {}
         self._same_turns(turns, node)
         return replace(node, body=body)
@@ -318,7 +391,16 @@ class _Legalizer:
         """Rotations that are in numbers are the same on every way to a place, or what follows is refused."""
         if {k: t for k, t in turns.items() if t != SAME} != {k: t for k, t in self.context.turns.items() if t != SAME}:
             why = "it is switched in a loop or on one way of a choice"
-            self.refused.append(NotLegal("rotation, scaling or mirror", why, node.span))
+            is_loop = isinstance(node, LoopWhile | CountLoop)
+            if is_loop:
+                self.around.append(_place(node))
+            self._refuse(NotLegal("rotation, scaling or mirror", why, node.span))
+            if is_loop:
+                self.around.pop()
+
+
+def _place(node: Node) -> tuple[str, int]:
+    return node.span.file, node.span.line
 
 
 def _kind(node: SetFrame) -> str:

@@ -13,6 +13,7 @@ from gproof.passes.legalize.patterns import (
     grids,
     inputs,
     inverse_time,
+    lengths,
     local_offsets,
     loops,
     machine_moves,
@@ -43,4 +44,5 @@ PATTERNS: tuple[Pattern, ...] = (
     *inverse_time.PATTERNS,
     *machine_moves.PATTERNS,
     *nothing_on.PATTERNS,
+    *lengths.PATTERNS,
 )

@@ -42,6 +42,8 @@ NEEDS: dict[str, Callable[[Target], bool]] = {
     ),
     "change with the spindle running -> change, spindle on": has("tool_change_rests"),
     "zero in one of several places -> its work offset": has("frame_zero_at"),
+    "tool length -> shift of the zero": has("frame_zero_shift"),
+    "zero while a tool length is in force -> moved by it": has("frame_zero_shift"),
     "machine coordinates -> zero there and back": has("frame_zero_keep", "frame_zero_at", "frame_zero_recall"),
 }
 """What a pattern needs of a target; the others fit every target."""
@@ -56,6 +58,7 @@ OTHERWISE: dict[str, Callable[[Target], str]] = {
     "choice_else": lambda target: target.legal.get("choice", "") if target.two_ways else "",
     "cycle_return": lambda target: target.legal.get("cycle_drill", "") if target.cycle_returns else "",
     "cycle_clearance": _clearance,
+    "frame_length": lambda target: target.legal.get("length", ""),
     "frame_select_local": lambda target: (
         target.legal.get("frame_select", "") if "frame_local_here" in target.legal else ""
     ),

@@ -193,9 +193,37 @@ def test_what_task_0_does_for_t(tmp_path: Path) -> None:
     assert {f.span.line for f in unknown.findings.kept} <= {2, 4}
 
 
+def test_tool_lengths_are_in_the_zero(tmp_path: Path) -> None:
+    """McuWIN has none (3, 5.5): G92 in G91 adds to the zero offset (3.26), G54 puts its own record there (3.19).
+
+    T1 and T2 are 40 mm long in the tool table of the source.
+    """
+    text = (
+        "G17 G21 G90 G94 G54 G49\nT1 M6\nG43 H1\nG0 X1 Z5\nG53 G0 Z0\nT2 M6\nG43 H2\nG0 X1 Z5\nG92 X0\nG55\nG0 X1 Z9\n"
+        "G49\nG0 Z50\nM30\n"
+    )
+    done = translated(tmp_path, text.replace("G92 X0\n", ""))
+    zero_up = ["G91", "G92 Z40", "G90"]
+    assert lines_of(done) == [
+        "T1 M06", *zero_up, "G00 X1 Z5", "G92 Z0", "G00 Z0", "G54", *zero_up, "T2 M06", "G00 X1 Z5", "G55", *zero_up,
+        "G00 X1 Z9", "G91", "G92 Z-40", "G90", "G00 Z50", "M30", "%",
+    ]  # fmt: skip
+    assert "tool 1 is 40 mm long: McuWIN has no tool lengths, the work zero is moved by it" in done.assumed
+    with_local = translated(tmp_path, text)
+    assert with_local.verdict is Verdict.SAFE
+
+
+def test_another_length_than_that_of_the_source_is_another_place(tmp_path: Path) -> None:
+    """The tool table of the source has 40 mm for T1: with 41 in the zero, the tip is elsewhere."""
+    text = "G17 G21 G90 G94 G54 G49\nT1 M6\nG43 H1\nG0 X1 Z5\nM30\n"
+    wrong = translated(tmp_path, text, given=TranslationMap(lengths={1: 41.0}))
+    assert wrong.verdict is Verdict.UNSAFE
+    assert not wrong.files or {f.code.label for f in wrong.findings.kept} == {"GP704"}
+
+
 REFUSED = {
     "G41 D1\nG1 X1 F50\nG40": "cutter compensation",
-    "G43 H1\nG0 Z5": "tool length offset",
+    "G43 H7\nG0 Z5": "tool length offset",
     "M7\nG0 X1": "mist coolant",
     "G28\nG0 X1": "parking place of the controller",
     "G38.2 Z-5 F50": "probing move",
@@ -214,6 +242,8 @@ def test_refused(body: str, tmp_path: Path) -> None:
 PATTERNS = {
     "end of a compensation that never starts -> nothing": ("G40\nG0 X1", "G0 X1"),
     "end of a tool length that is never used -> nothing": ("G49\nG0 X1", "G0 X1"),
+    "tool length -> shift of the zero": ("G43 H1\nG0 Z5", "G49\nG0 Z5"),
+    "zero while a tool length is in force -> moved by it": ("G43 H1\nG55\nG0 Z5", "G43 H1\nG0 Z5"),
     "inverse time -> a feed a move": ("G0 X0\nG93 G1 X5 F2", "G0 X0\nG1 X5 F2"),
     "machine coordinates -> zero there and back": ("G53 G0 X1", "G0 X1"),
     "work offset with a local offset -> with a shift": ("G0 X9\nG92 X0\nG55\nG0 X1", "G0 X9\nG92 X0\nG0 X1"),

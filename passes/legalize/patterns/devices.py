@@ -7,7 +7,7 @@ from dataclasses import replace
 from gproof.ir.finding import Span
 from gproof.ir.job import ChangeTool, EndJob, Node, PauseJob, Remark, ShowText, SwitchCoolant, TurnSpindle
 from gproof.ir.program import Number, Text
-from gproof.passes.legalize.context import Context
+from gproof.passes.legalize.context import SELECTED, Context
 from gproof.passes.legalize.pattern import Pattern
 
 
@@ -34,10 +34,6 @@ def selected_with_the_change(node: Node, feature: str, context: Context) -> list
         return None
     context.values[SELECTED] = number
     return []
-
-
-SELECTED = -1
-"""Number of no variable: under it the context keeps the tool that is selected."""
 
 
 def change_with_number(node: Node, feature: str, context: Context) -> list[Node] | None:

@@ -10,6 +10,7 @@ from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Expr, Number
 from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.transform import SAME
 
 NEEDED = ("frame_zero_keep", "frame_zero_at", "frame_zero_recall")
 
@@ -22,28 +23,54 @@ def zero_in_between(node: Node, feature: str, context: Context) -> list[Node] | 
     if any(one not in context.target.legal for one in NEEDED) or not node.to:
         return None
     # A frame that is turned or scaled is none of the machine.
-    if any(isinstance(one, SetFrame) and one.action in {"rotate", "scale", "mirror"} for one in context.nodes()):
+    own = {"frame_rotate", "frame_scale", "frame_mirror"} & context.target.legal.keys()
+    if context.transform != SAME or any(
+        isinstance(one, SetFrame) and f"frame_{one.action}" in own for one in context.nodes()
+    ):
+        context.why = "it has no such moves, and places of its frame are turned or scaled"
         return None
     span = node.span
     named = sorted(node.to, key=lambda place: AXIS_NAMES.index(place.axis))
     zeros = tuple(
         AxisPlace(place.axis, Quantity(Number(0.0, span), "mm" if place.axis in "xyz" else "deg")) for place in named
     )
-    there: list[Node] = [SetFrame(action="zero_at", places=zeros, span=span), replace(node, frame="work")]
+    at_machine_zero = SetFrame(action="zero_at", places=zeros, span=span)
+    context.as_is.append((at_machine_zero, False))  # without the tool's length, too
+    there: list[Node] = [at_machine_zero, replace(node, frame="work")]
     known = _offset(context)
     if known:
         back = SetFrame(action="select", number=Number(float(known), span), span=span)
         context.come_back(back, {place.axis for place in node.to})
         return [*there, back]
-    if any(isinstance(one, SetFrame) and one.action == "zero_keep" for one in context.nodes()):
+    before = _places(context, [place.axis for place in named], span)
+    if before:
+        back = SetFrame(action="zero_at", places=before, span=span)
+        context.come_back(back, {place.axis for place in node.to})
+        return [*there, back]
+    if context.keeping:
+        context.why = "it has no such moves, and the work zero, which has to be put back after it, is not known"
         return None
-    return [SetFrame(action="zero_keep", span=span), *there, SetFrame(action="zero_recall", span=span)]
+    keep = SetFrame(action="zero_keep", span=span)
+    recall = SetFrame(action="zero_recall", span=span)
+    context.as_is += [(keep, False), (recall, False)]
+    return [keep, *there, recall]
 
 
 def _offset(context: Context) -> int:
     """The work offset that is the whole work zero, 0 where it is not known."""
     number = context.zero.offset
     return number if number and context.local == {} and number not in context.offsets else 0
+
+
+def _places(context: Context, axes: list[str], span: Span) -> tuple[AxisPlace, ...]:
+    """Where the work zero of axes is, from machine zero; nothing where it is not known of one of them."""
+    found = []
+    for axis in axes:
+        known = context.zero.place(axis)
+        if known is None or known[0] or context.local is None or context.local.get(axis):
+            return ()
+        found.append(AxisPlace(axis, Quantity(Number(known[1], span), "mm" if axis in "xyz" else "deg")))
+    return tuple(found)
 
 
 def kept_as_known(node: Node, feature: str, context: Context) -> list[Node] | None:

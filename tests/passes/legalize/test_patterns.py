@@ -111,6 +111,9 @@ class Case:
     options: Options = field(default_factory=Options)
 
 
+LENGTH = UseLength(on=True, tool=number(4), span=PLACE)
+LONG = Options(lengths={4: 50.0, 5: 60.0})
+
 CASES = {
     "array -> its cells": Case(
         "eding", job(rapid(x=0, y=0), GRID), "rapid x0 y0; cut z-1; rapid x10 y0; cut z-1", other_target="wincnc"
@@ -244,6 +247,15 @@ CASES = {
         "grbl", job(Compensate(side="off", span=PLACE), cut(x=1)), "cut x1",
         other=job(Compensate(side="left", span=PLACE), cut(x=1), Compensate(side="off", span=PLACE)),
     ),
+    # A length of 50 lifts the zero by 50; the next tool is 10 longer.
+    "tool length -> shift of the zero": Case(
+        "mcuwin", job(LENGTH, cut(z=1), replace(LENGTH, tool=number(5)), cut(z=1)),
+        "zero_shift z50; cut z1; zero_shift z10; cut z1", options=LONG,
+    ),
+    "zero while a tool length is in force -> moved by it": Case(
+        "mcuwin", job(LENGTH, frame("select", 2), cut(z=1), frame("zero_at", z=3), cut(z=1)),
+        "zero_shift z50; select 2; zero_shift z50; cut z1; zero_at z53; cut z1", options=LONG,
+    ),
     "end of a tool length that is never used -> nothing": Case(
         "mcuwin", job(UseLength(on=False, span=PLACE), cut(x=1)), "cut x1",
         other=job(UseLength(on=True, span=PLACE), cut(x=1), UseLength(on=False, span=PLACE)),
@@ -277,6 +289,40 @@ def test_a_pattern_stays_away_from_what_does_not_need_it(name: str) -> None:
     target = target_of(case.other_target or case.target)
     legal = legalize(case.other or case.job, target, Options())
     assert name not in {one.pattern for one in legal.lowered}
+
+
+def test_a_length_that_no_file_says_is_refused_and_why() -> None:
+    legal = legalize(job(LENGTH, cut(z=1)), TARGETS["mcuwin"].target(), Options())
+    (refused,) = legal.refused
+    assert refused.construct == "tool length offset"
+    assert refused.why == "it has no tool lengths, and no file says what tool 4 is long: [lengths] of the map"
+
+
+def test_machine_coordinates_have_no_length_and_the_zero_after_them_has_it() -> None:
+    """Z0 of the machine is reached without the length; after it G54 has it again."""
+    nodes = (LENGTH, rapid(z=0, frame="machine"), cut(z=1))
+    legal = legalize(job(*nodes), TARGETS["mcuwin"].target(), LONG)
+    assert not legal.refused
+    assert said(legal.job.body) == "zero_shift z50; zero_at z0; rapid z0; select 1; zero_shift z50; cut z1"
+
+
+def test_a_length_that_only_one_way_of_a_choice_sets_is_refused() -> None:
+    way = replace(INPUT, then=(LENGTH,))
+    legal = legalize(job(way, replace(LENGTH, tool=number(5))), TARGETS["mcuwin"].target(), LONG)
+    assert [one.why for one in legal.refused] == ["which tool length is in force before it is not known"]
+
+
+def test_subprograms_and_loops_are_opened_where_what_is_in_force_differs_from_run_to_run() -> None:
+    """A turn by 90 degrees, then by 180: X10 becomes Y10, then X-10."""
+    by = SetFrame(action="rotate", places=at(x=0, y=0), angle=mm(Binary("*", N, number(90), PLACE), "deg"), span=PLACE)
+    loop = replace(COUNT, body=(by, cut(x=10, y=0)))
+    legal = legalize(job(loop), TARGETS["mcuwin"].target(), Options())
+    assert not legal.refused
+    assert said(legal.job.body) == "#1 = 1; cut x0 y10; #1 = (#1 + 1); cut x-10 y0; #1 = (#1 + 1)"
+    # From which height a hole in a subprogram starts is known where it is run, not within it.
+    deep = job(rapid(z=5), run(), a=[hole(back="before")])
+    legal = legalize(deep, TARGETS["mcuwin"].target(), Options())
+    assert said(legal.job.body) == "rapid z5; rapid x1 y2; rapid z1; cut z-3; rapid z5"
 
 
 def test_chords_are_as_close_to_the_arc_as_they_should_be() -> None:
