@@ -19,6 +19,7 @@ from gproof.driver.translation_machines import MachineTo, machine_to, require_so
 from gproof.driver.translation_terms import lengths_in_numbers, lengths_of, measured, only_local, same_travel
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
+from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
@@ -189,7 +190,7 @@ def legal_job(
         chord_tolerance=wanted.chord_tolerance, block_delete=setup.block_delete, values=values,
         coolant=given.coolant, tool_change=given.tool_change,
         axes=frozenset(name for name in AXIS_NAMES if session.machine.axis(name) and machine.axis(name)),
-        lengths=lengths_of(session, machine, given),
+        lengths=lengths_of(session, machine, given), measured_tools=rules_named(session.dialect).measured_tools,
     )  # fmt: skip
     return legalize(mapped.job, target, options)
 

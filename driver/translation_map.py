@@ -31,21 +31,20 @@ def proposed(job: Job, target: Target) -> TranslationMap:
                 if isinstance(part, Input) and part.kind in {"input", "output"} and isinstance(part.number, Number):
                     (inputs if part.kind == "input" else outputs).add(round(part.number.value))
     return TranslationMap(
-        outputs=_channels(outputs, job.source, target.name), inputs=_channels(inputs, job.source, target.name),
+        outputs=_channels(outputs, target), inputs=_channels(inputs, target),
         tools={n: n for n in sorted(tools)}, coolant=coolant,
         tool_change="stop" if tools and "tool_change" not in target.legal else "", given=True,
     )  # fmt: skip
 
 
 AXIS_CHANNEL = 100
-"""Channels of McuWIN are the number of an axis and two digits (4.11): 104 is the fourth of the first axis."""
+"""Channels that belong to axes are the number of the axis and two digits: 104 is the fourth of the first axis."""
 
 
-def _channels(numbers: set[int], source: str, target: str) -> dict[int, int]:
-    """Each channel as itself; between McuWIN and others, which count in their own ways, one after the other."""
-    if source != "mcuwin" and target == "mcuwin":
-        return {n: n if n > AXIS_CHANNEL else AXIS_CHANNEL + n for n in sorted(numbers)}
-    return {n: n for n in sorted(numbers)}
+def _channels(numbers: set[int], target: Target) -> dict[int, int]:
+    """Each channel as itself, or as one of the first axis."""
+    first = AXIS_CHANNEL if target.axis_channels else 0
+    return {n: n if n > first else first + n for n in sorted(numbers)}
 
 
 def _all(job: Job) -> list[Node]:

@@ -52,7 +52,7 @@ class Options:
     """chord_tolerance: mm that chords may be off an arc. coolant, tool_change: see ``TranslationMap``; block_delete:
     whether the switch is on, None: not known; values: variables whose values are stated; axes: names of those that both
     machines have: the job may leave a zero on one that it does not move; lengths: mm of tools of the
-    target, for one that has no tool lengths."""
+    target, for one that has no tool lengths; measured_tools: a tool's length counts from its change on."""
 
     chord_tolerance: float = 0.01
     coolant: Mapping[str, str] = field(default_factory=dict)
@@ -61,6 +61,7 @@ class Options:
     values: Mapping[int, float] = field(default_factory=dict)
     axes: frozenset[str] = frozenset()
     lengths: Mapping[int, float] = field(default_factory=dict)
+    measured_tools: bool = False
 
 
 @record(frozen=True, slots=True)

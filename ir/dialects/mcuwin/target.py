@@ -37,6 +37,7 @@ TARGET = Target(
     straight_rapids=False,
     offsets=5,
     tools=999_999,
+    axis_channels=True,
     operators=frozenset((
         *RELATIONS.values(), "+", "-", "*", "/", "**", "and", "or", "xor", "not", "neg", "pos", "div", "rem", "band",
         "bor", "bxor", "bnot", "<<", "shr", *FUNCTIONS.values(), *ANGULAR, *(f"r{name}" for name in ANGULAR),

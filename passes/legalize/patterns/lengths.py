@@ -31,7 +31,7 @@ def as_shift(node: Node, feature: str, context: Context) -> list[Node] | None:
         return None
     wanted = context.options.lengths[round(number)]
     context.lengths_used[round(number)] = wanted
-    context.measuring = node.tool is None and context.job.source == "wincnc"
+    context.measuring = node.tool is None and context.options.measured_tools
     title = context.target.title
     context.assume(f"tool {number:g} is {wanted:g} mm long: {title} has no tool lengths, the work zero is moved by it")
     return _shifted(wanted, node.span, context)
