@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import math
-import random
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.campaigns import share
+from support.known_zeros import at_known_zero
 from support.translations import DIALECTS, PAGE, CorpusJob, machine_for, row, safe_jobs, targets_of, translated
 
 from gproof.driver.dialects import DIALECTS as LANGUAGES
 from gproof.driver.dialects import load_machine
-from gproof.driver.running import execute
-from gproof.driver.session import Running
-from gproof.driver.translation_traces import any_zero, own_devices
 from gproof.frontend.common.frontend import Reading
 from gproof.ir.finding import Findings
-from gproof.ir.machine import AXIS_NAMES
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import Setup
 from gproof.ir.trace import Op, Trace
 from gproof.ir.verdict import Verdict
 
@@ -91,42 +86,10 @@ def test_what_is_proven_agrees_at_three_known_zeros(job: CorpusJob, tmp_path: Pa
         )
         assert program is not None
         for seed in range(3):
-            known = []
-            for one, on in ((session.program, session.machine), (program, machine)):
-                setup = at_zero(any_zero(session.setup if one is session.program else Setup(), one), one.dialect, seed)
-                if done.lengths:
-                    # They are in the zeros of the target, which has no tool lengths: tools keep their numbers here.
-                    stated = {0: 0.0, **done.lengths}
-                    setup = replace(setup, tool_lengths={n: Interval(at, at) for n, at in stated.items()})
-                plain = own_devices(one, [])
-                bare = replace(on, settings=replace(on.settings, zero_offsets=None))
-                known.append(
-                    figures(
-                        execute(
-                            plain,
-                            setup,
-                            bare,
-                            Findings(),
-                            **session.options(Running()),
-                            block_delete=bool(session.setup.block_delete),
-                        )
-                    )
-                )
-            (end, length), (other_end, other_length) = known
+            lengths = done.lengths
+            end, length = figures(
+                at_known_zero(session.program, session.machine, session.setup, session, seed, lengths=lengths)
+            )
+            other_end, other_length = figures(at_known_zero(program, machine, Setup(), session, seed, lengths=lengths))
             assert np.allclose(end, other_end, atol=1e-3), (to, seed, end, other_end)
             assert abs(length - other_length) <= 1e-4 * max(length, 1.0) + 1e-2, (to, seed, length, other_length)
-
-
-def at_zero(setup: Setup, dialect: str, seed: int) -> Setup:
-    """The same with a known start, tool and zeros; the one zero of a controller without a table is the first."""
-    chance = random.Random(seed)
-    places = {
-        (number, axis): Interval(*(2 * [round(chance.uniform(-50, 50), 3)]))
-        for number in range(1, 10) for axis in AXIS_NAMES
-    }  # fmt: skip
-    if "work" not in LANGUAGES[dialect].frontend.open_offsets:
-        setup = replace(setup, g92={axis: places[1, axis] for axis in AXIS_NAMES})
-    return replace(
-        setup, work=places, start={axis: Interval(0.0, 0.0) for axis in AXIS_NAMES}, default_offset=0.0,
-        default_start=0.0, tool_lengths={number: Interval(*(2 * [10.0 + number])) for number in range(100)},
-    )  # fmt: skip
