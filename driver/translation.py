@@ -89,6 +89,7 @@ class Translation:
     spare_used: bool = False
     chord_tolerance: float = 0.0
     lengths: dict[int, float] = field(default_factory=dict)
+    only: dict[str, int] = field(default_factory=dict)
 
 
 def translate(wanted: Wanted) -> Translation:
@@ -112,7 +113,7 @@ def translate(wanted: Wanted) -> Translation:
     given = wanted.given or map_in(wanted.map)
     legal = legal_job(session, target, to.machine, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
-    done.spare_used, done.lengths, done.kept = legal.spare_used, legal.lengths, dict(legal.kept)
+    done.spare_used, done.lengths, done.only, done.kept = legal.spare_used, legal.lengths, legal.only, dict(legal.kept)
     for refused in legal.refused:
         tried = f"tried: {'; '.join(refused.tried)}" if refused.tried else ""
         done.findings.add(
@@ -362,7 +363,7 @@ def terms_of(
             for old, new in given.offsets.items() for axis in AXIS_NAMES
         ),
         target_symbols=(
-            *only_local(done.target.name, done.session.dialect),
+            *only_local(done.target.name, done.session.dialect, done.only),
             *measured(done.target.name, done.session.dialect, source, given.tools),
             *_lengths_in_zeros(done),
         ),

@@ -44,12 +44,15 @@ def lengths_in_numbers(lengths: Mapping[int, float], numbers: Mapping[int, int])
     return tuple(SymbolMeaning(symbol=f"tool.{n}.z", mm=mm) for n, mm in sorted({0: 0.0, **known}.items()))
 
 
-def only_local(name: str, other: str) -> tuple[SymbolMeaning, ...]:
-    """The zero of a controller whose only one is a local offset, set up where another one has its first work offset.
-    name: of that controller; other: of the one that its programs are compared with."""
+def only_local(name: str, other: str, only: Mapping[str, int] | None = None) -> tuple[SymbolMeaning, ...]:
+    """The zero of a controller whose only one is a local offset, set up where another one has a work offset.
+    name: of that controller; other: of the one that its programs are compared with; only: by axis the number of the
+    work offset, of others the first."""
     if not _has_only_local(name) or _has_only_local(other):
         return ()
-    return tuple(SymbolMeaning(symbol=f"g92.{axis}", form=((f"work.1.{axis}", 1),)) for axis in AXIS_NAMES)
+    return tuple(
+        SymbolMeaning(symbol=f"g92.{axis}", form=((f"work.{(only or {}).get(axis, 1)}.{axis}", 1),)) for axis in AXIS_NAMES
+    )
 
 
 def _has_only_local(name: str) -> bool:

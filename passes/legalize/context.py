@@ -112,7 +112,8 @@ class Context:
     shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force; why: a pattern that
     does not fit says what it lacks; length: mm of the tool that are in the zero of a target without tool lengths, None:
     not known; measuring: each tool's length counts from its change on; kept_length: what
-    ``zero_keep`` kept of it; keeping: the job itself uses the place for a kept zero; lengths_used: by tool; as_is:
+    ``zero_keep`` kept of it; keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work
+    offset that is the only zero of the target; as_is:
     frames and changes that are meant without a length, or have it already, with whether they move the place of Z."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
@@ -152,6 +153,7 @@ class Context:
         self.lengths_used: dict[int, float] = {}
         self.kept_length: float | None = None
         self.keeping = False
+        self.only: dict[str, int] = {}
         self.as_is: list[tuple[Node, bool]] = []
 
     @property

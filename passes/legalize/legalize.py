@@ -78,7 +78,7 @@ class NotLegal:
 class Legal:
     """job: everything is legal in it but what is ``refused``, of which it has marks; spare_used: the spare work offset
     of the target holds zeros in machine places; kept: how often the source has each feature that stays as it is;
-    lengths: mm of tools that are in the numbers."""
+    lengths: mm of tools that are in the numbers; only: by axis the work offset that the target's only zero is."""
 
     job: Job
     lowered: list[Lowered] = field(default_factory=list)
@@ -87,6 +87,7 @@ class Legal:
     spare_used: bool = False
     kept: Counter[str] = field(default_factory=Counter)
     lengths: dict[int, float] = field(default_factory=dict)
+    only: dict[str, int] = field(default_factory=dict)
 
 
 def legalize(job: Job, target: Target, options: Options) -> Legal:
@@ -185,7 +186,7 @@ class _Legalizer:
             legal.verify()
         return Legal(
             job=legal, lowered=self.context.lowered, refused=self.refused, assumed=list(self.context.assumed),
-            spare_used=self.context.spare_used, lengths=dict(self.context.lengths_used), kept=self.kept,
+            spare_used=self.context.spare_used, lengths=dict(self.context.lengths_used), kept=self.kept, only=self.context.only,
         )  # fmt: skip
 
     def _refuse(self, found: NotLegal, *, for_good: bool = False) -> None:

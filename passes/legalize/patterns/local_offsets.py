@@ -12,20 +12,22 @@ from gproof.passes.legalize.pattern import Pattern
 
 
 def only_offset(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """The work offset of the start, in a job that has no other: it is in force all the time."""
-    if not isinstance(node, SetFrame) or node.action != "select" or not _is_first(node):
+    """The one work offset that a job selects: it is the only zero of the target, all the time."""
+    if not isinstance(node, SetFrame) or node.action != "select" or node.number is None:
+        return None
+    number = context.value(node.number)
+    if number is None or context.local != {} or (node.axes and not set(context.axes) <= set(node.axes)):
         return None
     for one in context.nodes():
-        if isinstance(one, SetFrame):
-            other = one.action == "select" and not _is_first(one)
-            if other or one.action in {"store", "store_here", "zero_at", "zero_shift"}:
+        if isinstance(one, SetFrame) and one.action in {"select", "store", "store_here"}:
+            same = one.number is not None and isinstance(one.number, Number) and one.number.value == number
+            if one.action != "select" or not same or one.axes != node.axes:
                 return None
-    context.assume("the job starts in the first work offset")
-    return []
-
-
-def _is_first(node: SetFrame) -> bool:
-    return isinstance(node.number, Number) and node.number.value == 1.0
+    context.only = dict.fromkeys(node.axes or AXIS_NAMES, round(number))
+    if context.selected != number:
+        context.place = {}
+    context.selected = round(number)
+    return _again(node, context)
 
 
 def local_as_shift(node: Node, feature: str, context: Context) -> list[Node] | None:
@@ -143,7 +145,8 @@ AT_THE_END = -1.0
 def _again(node: SetFrame, context: Context) -> list[Node] | None:
     """The work offset that is in force, without what the job has shifted it by."""
     if context.selected not in context.offsets:
-        context.assume("the job starts in the first work offset")
+        which = "the first work offset" if context.selected == 1 else f"work offset {context.selected} of the source"
+        context.assume(f"the zero of {context.target.title} is set where {which} is")
     if context.shift == {}:
         return []
     if context.shift is None:
@@ -167,7 +170,7 @@ PATTERNS = (
         name="stored work offset -> zero at its place", removes=("frame_beyond", "frame_store", "frame_select"),
         apply=stored_as_zero,
     ),
-    Pattern(name="work offset -> the only one", removes=("frame_select",), apply=only_offset),
+    Pattern(name="work offset -> the only one", removes=("frame_select_axes", "frame_select"), apply=only_offset),
     Pattern(
         name="local offset -> shift of the zero",
         removes=("frame_local_here", "frame_local_off", "frame_local_suspend", "frame_local_restore"),
