@@ -91,6 +91,11 @@ class Translation:
     lengths: dict[int, float] = field(default_factory=dict)
     only: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def switched(self) -> bool:
+        """Whether the position of the switch for optional stops is in the files."""
+        return any(one.pattern == "optional stop -> what its switch says" for one in self.lowered)
+
 
 def translate(wanted: Wanted) -> Translation:
     """UsageError (exit 3) for files that cannot be used at all."""
@@ -191,7 +196,8 @@ def legal_job(
         chord_tolerance=wanted.chord_tolerance, block_delete=setup.block_delete, values=values,
         coolant=given.coolant, tool_change=given.tool_change,
         axes=frozenset(name for name in AXIS_NAMES if session.machine.axis(name) and machine.axis(name)),
-        lengths=lengths_of(session, machine, given), measured_tools=rules_named(session.dialect).measured_tools,
+        optional_stop=setup.optional_stop, lengths=lengths_of(session, machine, given),
+        measured_tools=rules_named(session.dialect).measured_tools,
     )  # fmt: skip
     return legalize(mapped.job, target, options)
 
@@ -227,8 +233,9 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
     assert session.program is not None
     own = Findings()
     source = trace_of(
-        own_devices(session.program, done.assumed), session.setup, session.machine, own, wanted.running, session
-    )
+        own_devices(session.program, done.assumed), session.setup, session.machine, own, wanted.running, session,
+        optional_stop=session.setup.optional_stop if done.switched else None, assumed=done.assumed,
+    )  # fmt: skip
     for finding in (*session.findings.kept, *own.kept):
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
@@ -248,7 +255,9 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
             _also(done, read, Path(folder))
             return
         setup = session.setup if wanted.to == session.dialect else NOTHING
-        target = trace_of(own_devices(printed, done.assumed), setup, machine, read, wanted.running, session)
+        target = trace_of(
+            own_devices(printed, done.assumed), setup, machine, read, wanted.running, session, assumed=done.assumed
+        )
         _also(done, read, Path(folder))
         terms = terms_of(done, printed.spindle_outputs, session.machine, machine, wanted, style)
         comparison = compare(source, target, terms)
@@ -370,6 +379,7 @@ def terms_of(
         coolant=tuple(sorted(given.coolant.items())),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_travel(source, target),
         tool_by_stop=given.tool_change == "stop",
+        stops_on=done.switched and bool(done.session.setup.optional_stop),
     )  # fmt: skip
 
 

@@ -51,7 +51,8 @@ def only_local(name: str, other: str, only: Mapping[str, int] | None = None) -> 
     if not _has_only_local(name) or _has_only_local(other):
         return ()
     return tuple(
-        SymbolMeaning(symbol=f"g92.{axis}", form=((f"work.{(only or {}).get(axis, 1)}.{axis}", 1),)) for axis in AXIS_NAMES
+        SymbolMeaning(symbol=f"g92.{axis}", form=((f"work.{(only or {}).get(axis, 1)}.{axis}", 1),))
+        for axis in AXIS_NAMES
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from gproof.driver.dialects import DIALECTS
-from gproof.driver.running import execute
+from gproof.driver.running import begin, collect
 from gproof.driver.session import Running, Session
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AXIS_NAMES, Machine
@@ -59,14 +59,20 @@ def own_devices(program: Program, assumed: list[str]) -> Program:
 
 def trace_of(
     program: Program, setup: Setup, machine: Machine, findings: Findings, running: Running, session: Session,
-    *, block_delete: bool | None = None,
+    *, block_delete: bool | None = None, optional_stop: bool | None = None, assumed: list[str] | None = None,
 ) -> Trace:  # fmt: skip
-    """The trace for any work zero. block_delete: None: as the setup of the session states it, off where it does not."""
+    """The trace for any work zero. block_delete: None: as the setup of the session states it, off where it does not;
+    optional_stop: None: both positions of its switch; assumed: gets what the run takes as true."""
     machine = replace(
         machine, controller=replace(machine.controller, auto_tool_change=False),
         settings=replace(machine.settings, zero_offsets=None),
     )  # fmt: skip
-    return execute(
-        program, any_zero(setup, program), machine, findings, **session.options(running),
+    run = begin(
+        program, replace(any_zero(setup, program), optional_stop=optional_stop), machine, findings,
+        **session.options(running),
         block_delete=bool(session.setup.block_delete if block_delete is None else block_delete),
     )  # fmt: skip
+    trace = collect(run)
+    if assumed is not None:
+        assumed += [text for text in (*program.assumed, *run.assumed) if text not in assumed]
+    return trace

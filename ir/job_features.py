@@ -161,7 +161,7 @@ def _own(node: Node) -> Iterator[str]:
     if isinstance(node, MoveTo):
         yield {"rapid": "rapid", "feed": "straight", "probe": "probe"}[node.kind]
         if node.frame == "machine":
-            yield "machine_move"
+            yield "machine_move" if node.kind == "rapid" else "machine_feed"
         if any(place.relative for place in node.to):
             yield "relative"
     elif isinstance(node, ArcTo):

@@ -58,6 +58,7 @@ FEATURES: dict[str, str] = {
     "probe": "probing move",
     "inverse_time": "inverse time feed",
     "per_revolution": "feed per revolution",
+    "machine_feed": "move with feed in machine coordinates",
     "machine_move": "move in machine coordinates",
     "park": "parking place of the controller",
     "home": "reference run",

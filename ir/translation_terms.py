@@ -46,6 +46,7 @@ class TranslationTerms:
     axes: that the job moves: what is left in the offsets of others is not compared.
     coolant: (source word, target word) of ``mist`` and ``flood``, where the map has one of them for the other.
     scratch: offsets of the target that the translation itself uses (``work.9.x``): what they hold is not compared.
+    stops_on: the switch for optional stops is stated to be on.
     machine_zero_shared: machine coordinates of both machines count from the same place.
     tool_by_stop: a stop of the target that names a tool, by its number after it or in its text, is the tool change.
     tool_change_waits: a wait for the operator at a tool change is compared; else a machine that changes the tool by
@@ -73,6 +74,7 @@ class TranslationTerms:
     silent: frozenset[str] = field(default_factory=frozenset)
     tool_change_waits: bool = True
     tool_by_stop: bool = False
+    stops_on: bool = False
     machine_zero_shared: bool = True
     axes: frozenset[str] = frozenset("xyzabc")
     coolant: tuple[tuple[str, str], ...] = ()

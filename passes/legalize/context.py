@@ -49,15 +49,16 @@ MOST_OPERATIONS = 200_000
 
 @record(frozen=True, slots=True, kw_only=True)
 class Options:
-    """chord_tolerance: mm that chords may be off an arc. coolant, tool_change: see ``TranslationMap``; block_delete:
-    whether the switch is on, None: not known; values: variables whose values are stated; axes: names of those that both
-    machines have: the job may leave a zero on one that it does not move; lengths: mm of tools of the
+    """chord_tolerance: mm that chords may be off an arc. coolant, tool_change: see ``TranslationMap``; block_delete,
+    optional_stop: whether the switch is on, None: not known; values: variables whose values are stated; axes: names of
+    those that both machines have: the job may leave a zero on one that it does not move; lengths: mm of tools of the
     target, for one that has no tool lengths; measured_tools: a tool's length counts from its change on."""
 
     chord_tolerance: float = 0.01
     coolant: Mapping[str, str] = field(default_factory=dict)
     tool_change: str = ""
     block_delete: bool | None = None
+    optional_stop: bool | None = None
     values: Mapping[int, float] = field(default_factory=dict)
     axes: frozenset[str] = frozenset()
     lengths: Mapping[int, float] = field(default_factory=dict)
@@ -112,8 +113,8 @@ class Context:
     shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force; why: a pattern that
     does not fit says what it lacks; length: mm of the tool that are in the zero of a target without tool lengths, None:
     not known; measuring: each tool's length counts from its change on; kept_length: what
-    ``zero_keep`` kept of it; keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work
-    offset that is the only zero of the target; as_is:
+    ``zero_keep`` kept of it; keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by
+    axis the work offset that is the only zero of the target; as_is:
     frames and changes that are meant without a length, or have it already, with whether they move the place of Z."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:

@@ -186,7 +186,8 @@ class _Legalizer:
             legal.verify()
         return Legal(
             job=legal, lowered=self.context.lowered, refused=self.refused, assumed=list(self.context.assumed),
-            spare_used=self.context.spare_used, lengths=dict(self.context.lengths_used), kept=self.kept, only=self.context.only,
+            spare_used=self.context.spare_used, lengths=dict(self.context.lengths_used), kept=self.kept,
+            only=self.context.only,
         )  # fmt: skip
 
     def _refuse(self, found: NotLegal, *, for_good: bool = False) -> None:

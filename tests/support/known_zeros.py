@@ -18,15 +18,21 @@ from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Trace
 
 NO_LENGTHS: Mapping[int, float] = MappingProxyType({})
+NO_ONLY: Mapping[str, int] = MappingProxyType({})
 
 
 def at_known_zero(
     program: Program, machine: Machine, setup: Setup, session: Session, seed: int,
-    lengths: Mapping[int, float] = NO_LENGTHS,
+    lengths: Mapping[int, float] = NO_LENGTHS, only: Mapping[str, int] = NO_ONLY,
+    first: Mapping[str, int] = NO_ONLY,
 ) -> Trace:  # fmt: skip
     """session: of the source, whose options and switch of block delete count for its translation too; lengths: mm by
-    tool, where they are in the zeros of a target that has none: tools keep their numbers here."""
-    known = at_zero(any_zero(setup, program), program.dialect, seed)
+    tool, where they are in the zeros of a target that has none: tools keep their numbers here; only: by axis the
+    work offset that the one zero of a controller without a table is, of others the first; first: by axis the
+    work offset whose place the first one has."""
+    known = at_zero(any_zero(setup, program), program.dialect, seed, only)
+    work = known.work | {(1, axis): known.work[number, axis] for axis, number in first.items()}
+    known = replace(known, work=work)
     if lengths:
         stated = {0: 0.0, **lengths}
         known = replace(known, tool_lengths={number: Interval(at, at) for number, at in stated.items()})
@@ -37,15 +43,15 @@ def at_known_zero(
     )  # fmt: skip
 
 
-def at_zero(setup: Setup, dialect: str, seed: int) -> Setup:
-    """The same with a known start, tool and zeros; the one zero of a controller without a table is the first."""
+def at_zero(setup: Setup, dialect: str, seed: int, only: Mapping[str, int]) -> Setup:
+    """The same with a known start, tool and zeros."""
     chance = random.Random(seed)
     places = {
         (number, axis): Interval(*(2 * [round(chance.uniform(-50, 50), 3)]))
         for number in range(1, 10) for axis in AXIS_NAMES
     }  # fmt: skip
     if "work" not in DIALECTS[dialect].frontend.open_offsets:
-        setup = replace(setup, g92={axis: places[1, axis] for axis in AXIS_NAMES})
+        setup = replace(setup, g92={axis: places[only.get(axis, 1), axis] for axis in AXIS_NAMES})
     return replace(
         setup, work=places, start={axis: Interval(0.0, 0.0) for axis in AXIS_NAMES}, default_offset=0.0,
         default_start=0.0, tool_lengths={number: Interval(*(2 * [10.0 + number])) for number in range(100)},

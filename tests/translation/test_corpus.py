@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -86,10 +87,10 @@ def test_what_is_proven_agrees_at_three_known_zeros(job: CorpusJob, tmp_path: Pa
         )
         assert program is not None
         for seed in range(3):
-            lengths = done.lengths
+            stated: dict[str, Any] = {"lengths": done.lengths, "only": done.only}
             end, length = figures(
-                at_known_zero(session.program, session.machine, session.setup, session, seed, lengths=lengths)
+                at_known_zero(session.program, session.machine, session.setup, session, seed, **stated)
             )
-            other_end, other_length = figures(at_known_zero(program, machine, Setup(), session, seed, lengths=lengths))
+            other_end, other_length = figures(at_known_zero(program, machine, Setup(), session, seed, **stated))
             assert np.allclose(end, other_end, atol=1e-3), (to, seed, end, other_end)
             assert abs(length - other_length) <= 1e-4 * max(length, 1.0) + 1e-2, (to, seed, length, other_length)

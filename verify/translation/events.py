@@ -100,6 +100,12 @@ class EventReader:
         self.found.append(partial)
         self._partial, self.spindle = None, None
 
+    def _complete(self, device: str) -> None:
+        """Another output of a device is switched: what the one before has done is judged with it."""
+        if self._partial is not None and not self._partial.kind.startswith(device):
+            self._keep_partial(self._partial)
+        self._partial = None
+
     def _one(self, op: int, first: float, second: float, text: int, at: int, place: Place) -> None:
         if op == Op.OFFSET:
             if second:
@@ -129,7 +135,8 @@ class EventReader:
             if not math.isnan(second):
                 self._add("input", (float(self.side.inputs.get(int(first), int(first))), second), at, place)
         elif op == Op.STOP:
-            self._add("stop", (first,), at, place)
+            # With its switch on, an optional stop is one like any other.
+            self._add("stop", (0.0 if self.side.terms.stops_on else first,), at, place)
         elif op == Op.HOME:
             self._add("home", (" ".join(sorted(self.side.trace.texts[text].split())),), at, place)
         elif op == Op.DEVICE:
@@ -201,9 +208,13 @@ class EventReader:
         self.outputs[channel] = value
         if channel in self.side.spindle_channels:
             on = {one for one in self.side.spindle_channels if self.outputs.get(one)}
-            self._partial = None
+            self._complete("spindle")
             if not on:
                 self._turn(0.0, 0.0, at, place)
+            elif value == 0.0 and self.spindle is None and on in (set(own.forward), set(own.backward)):
+                # One way is switched off while the other is on, as the first of two: the second says what is meant.
+                direction = 1.0 if on == set(own.forward) else -1.0
+                self._partial = Event("spindle", (direction, self.speed), at, place)
             elif on == set(own.forward) == set(own.backward):
                 self._turn(math.nan, self.speed, at, place)
             elif on == set(own.forward):
@@ -213,7 +224,7 @@ class EventReader:
             else:
                 self._partial = Event("spindle outputs", (float(channel), value), at, place)
         elif channel in own.coolant:
-            self._partial = None
+            self._complete("coolant")
             now = [self._group(ones) for ones in (set(own.mist), set(own.coolant) - set(own.mist))]
             if None in now:
                 self._partial = Event("coolant outputs", (float(channel), value), at, place)

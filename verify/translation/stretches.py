@@ -118,7 +118,10 @@ def _as_tool_change(side: Side, found: Stretch) -> None:
         return
     after = _stretch(side, found.edges[0].target, Devices(), set())
     named = _TOOL.findall(found.said)
-    if after.events and after.events[0].kind == "tool" and after.events[0].at == 0:
+    numbered = bool(after.events) and after.events[0].kind == "tool" and after.events[0].at == 0
+    if numbered and len(after.events) == 1 and any(edge.wait is Wait.TOOL_CHANGE for edge in after.edges):
+        numbered = False  # that is a change with a wait of its own
+    if numbered:
         value = after.events[0].values[0]
     elif len(named) == 1:
         value = float(named[0])

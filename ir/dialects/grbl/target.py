@@ -18,7 +18,8 @@ TARGET = Target(
     legal={
         "arc": _LIST, "arc_radius": _LIST, "arc_helix": _LIST, "arc_xz": _LIST, "arc_yz": _LIST,
         "unit_mm": _LIST, "unit_inch": _LIST, "relative": _LIST, "probe": _LIST, "inverse_time": _LIST,
-        "machine_move": _LIST, "park": _LIST, "frame_store": _LIST, "frame_store_here": _LIST, "frame_select": _LIST,
+        "machine_move": _LIST, "machine_feed": _LIST,
+        "park": _LIST, "frame_store": _LIST, "frame_store_here": _LIST, "frame_select": _LIST,
         "frame_local_here": _LIST, "frame_local_off": _LIST, "length": _LIST,
         "spindle_speed": "Supported G-Codes, S", "spindle": _LIST, "flood": _LIST, "dwell": _LIST, "stop": _LIST,
         "feed_alone": "Supported G-Codes, F", "straight": _LIST, "rapid": _LIST, "end": _LIST, "end_reset": _LIST,

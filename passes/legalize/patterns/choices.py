@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from gproof.ir.job import Choice, Node, OptionalPart
+from dataclasses import replace
+
+from gproof.ir.job import Choice, Node, OptionalPart, PauseJob
 from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
 
@@ -26,6 +28,18 @@ def switched(node: Node, feature: str, context: Context) -> list[Node] | None:
     return [] if on else list(node.body)
 
 
+def stop_switched(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """An optional stop, where the position of its switch is stated: a stop, or none."""
+    if not isinstance(node, PauseJob) or not node.optional:
+        return None
+    on = context.options.optional_stop
+    if on is None:
+        context.why = "it has no stop that a switch turns off, and the setup file does not say where that stands"
+        return None
+    context.assume(f"the switch for optional stops is {'on' if on else 'off'}")
+    return [replace(node, optional=False)] if on else []
+
+
 PATTERNS = (
     Pattern(
         name="choice -> the way that is taken", removes=("choice_else", "choice", "variable", "expression"),
@@ -33,5 +47,8 @@ PATTERNS = (
     ),
     Pattern(
         name="block delete -> what its switch says", removes=("optional_part",), apply=switched, unrolls=True
+    ),
+    Pattern(
+        name="optional stop -> what its switch says", removes=("optional_stop",), apply=stop_switched, unrolls=True
     ),
 )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from gproof.ir.finding import Span
-from gproof.ir.job import AxisPlace, MoveTo, Node, Quantity, SetFrame
+from gproof.ir.job import AxisPlace, MoveTo, Node, Quantity, SetFrame, UseLength
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Expr, Number
 from gproof.passes.legalize.context import Context
@@ -37,7 +37,11 @@ def zero_in_between(node: Node, feature: str, context: Context) -> list[Node] | 
     at_machine_zero = SetFrame(action="zero_at", places=zeros, span=span)
     context.as_is.append((at_machine_zero, False))  # without the tool's length, too
     there: list[Node] = [at_machine_zero, replace(node, frame="work")]
-    known = _offset(context)
+    measured = "length" in context.target.legal and any(place.axis == "z" for place in named)
+    if measured and any(isinstance(one, UseLength) and one.on for one in context.nodes()):
+        context.why = "it has no such moves, and a tool length would be in Z"
+        return None
+    known = _offset(context) if "frame_select" in context.target.legal else 0
     if known:
         back = SetFrame(action="select", number=Number(float(known), span), span=span)
         context.come_back(back, {place.axis for place in node.to})
@@ -104,7 +108,10 @@ def _key(number: Expr | None, context: Context) -> float:
 
 
 PATTERNS = (
-    Pattern(name="machine coordinates -> zero there and back", removes=("machine_move",), apply=zero_in_between),
+    Pattern(
+        name="machine coordinates -> zero there and back", removes=("machine_feed", "machine_move"),
+        apply=zero_in_between,
+    ),
     Pattern(
         name="zero in one of several places -> its work offset", removes=("frame_zero_register",), apply=kept_as_known,
         unrolls=True,

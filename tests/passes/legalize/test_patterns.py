@@ -24,8 +24,10 @@ from gproof.ir.job import (
     Feed,
     Job,
     LoopWhile,
+    MoveTo,
     Node,
     OptionalPart,
+    PauseJob,
     RepeatGrid,
     SetFrame,
     SetPathMode,
@@ -128,6 +130,10 @@ CASES = {
     ),
     "choice -> the way that is taken": Case("grbl", job(CHOICE), "cut x1", other_target="eding"),
     "block delete -> what its switch says": Case("eding", job(PART), "", options=Options(block_delete=True)),
+    "optional stop -> what its switch says": Case(
+        "grbl", job(PauseJob(optional=True, span=PLACE), cut(x=1)), "PauseJob; cut x1",
+        options=Options(optional_stop=True),
+    ),
     "counted loop -> loop with a condition": Case(
         "eding", job(COUNT), "#1 = 1; while (#1 <= 2) {cut x#1; #1 = (#1 + 1)}", other_target="mcuwin"
     ),
@@ -179,8 +185,8 @@ CASES = {
         "wincnc", job(frame("store", 2, x=5), frame("select", 2), cut(x=0)), "zero_at x5; cut x0", other_target="eding"
     ),
     "work offset -> the only one": Case(
-        without("grbl", "frame_select"), job(frame("select", 1), cut(x=0)), "cut x0",
-        other=job(frame("select", 1), frame("select", 2), cut(x=0)),
+        "wincnc", job(frame("select", 3), cut(x=0), frame("select", 3), cut(x=1)), "cut x0; cut x1",
+        other=job(frame("select", 3), frame("select", 2), cut(x=0)),
     ),
     "work offset with a local offset -> with a shift": Case(
         "mcuwin", job(rapid(x=10), frame("local_here", x=0), frame("select", 2), cut(x=0)),
@@ -289,6 +295,15 @@ def test_a_pattern_stays_away_from_what_does_not_need_it(name: str) -> None:
     target = target_of(case.other_target or case.target)
     legal = legalize(case.other or case.job, target, Options())
     assert name not in {one.pattern for one in legal.lowered}
+
+
+def test_feed_moves_in_machine_coordinates_are_moves_with_the_zero_put_away() -> None:
+    """WinCNC: G53 is rapid; a length in force would be in Z."""
+    down = MoveTo(to=at(z=-20), kind="feed", frame="machine", span=PLACE)
+    legal = legalize(job(cut(z=1), down), TARGETS["wincnc"].target(), Options())
+    assert said(legal.job.body) == "cut z1; zero_keep; zero_at z0; cut z-20; zero_recall"
+    refused = legalize(job(LENGTH, down), TARGETS["wincnc"].target(), Options())
+    assert [one.why for one in refused.refused] == ["it has no such moves, and a tool length would be in Z"]
 
 
 def test_a_length_that_no_file_says_is_refused_and_why() -> None:

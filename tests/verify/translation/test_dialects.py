@@ -147,3 +147,27 @@ def test_a_loop_that_looks_all_the_time_is_a_wait(shop: Shop, pause: str, is_pro
     terms = TranslationTerms(source="WinCNC", target="Eding", source_symbols=one_zero(), target_straight=True)
     answer = shop.compared((waits, "wincnc"), looks, terms)
     assert (answer.verdict is Verdict.SAFE) == is_proven, answer
+
+
+BOTH_WAYS = SpindleOutputs(forward=(2,), backward=(1,), coolant=(3,))
+TWO = SpindleOutputs(forward=(2, 5), coolant=(3,))
+
+
+@pytest.mark.parametrize(
+    "outputs, commands, other, is_proven",
+    [
+        # The other way is off already: both are off with the next one.
+        (BOTH_WAYS, "M11C2\nG4\nM12C1\nM12C2\n", "M11C2\nG4\nM12C2\nM12C1\n", True),
+        (BOTH_WAYS, "M11C2\nG4\nM12C1\n", "M11C2\nG4\n", False),
+        (BOTH_WAYS, "M11C2\nG4\nM12C1\nM11C3\n", "M11C2\nG4\nM11C3\n", False),
+        # One of two outputs of a spindle stays what it is, whatever is switched after it.
+        (TWO, "M11C2\nM11C3\n", "M11C3\n", False),
+    ],
+)
+def test_outputs_of_a_spindle_that_are_switched_one_by_one(
+    shop: Shop, outputs: SpindleOutputs, commands: str, other: str, is_proven: bool
+) -> None:
+    head, rest = "G22\nG90\nS900\n", "G1 X5 F9\n"
+    terms = TranslationTerms(source="WinCNC", target="WinCNC", source_outputs=outputs, target_outputs=outputs)
+    answer = shop.compared((head + commands + rest, "wincnc"), (head + other + rest, "wincnc"), terms)
+    assert (answer.verdict is Verdict.SAFE) == is_proven, answer
