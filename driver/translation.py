@@ -20,7 +20,7 @@ from gproof.driver.translation_terms import lengths_in_numbers, lengths_of, meas
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
 from gproof.ir.dialects import rules_named
-from gproof.ir.finding import Findings, Related, Severity, Span
+from gproof.ir.finding import Finding, Findings, Related, Severity, Span
 from gproof.ir.job import Job, Remark, UseLength
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import NO_OUTPUTS, Program, SpindleOutputs
@@ -109,7 +109,7 @@ def translate(wanted: Wanted) -> Translation:
     done = Translation(
         session=session, target=target, verdict=Verdict.UNKNOWN, chord_tolerance=wanted.chord_tolerance
     )  # fmt: skip
-    if session.program is None or session.findings.has(Severity.ERROR):
+    if session.program is None or any(finding.severity is Severity.ERROR for finding in _of_meaning(session)):
         for finding in session.findings.kept:
             done.findings.add(finding)
         return done
@@ -157,6 +157,11 @@ def _files(job: Job, target: Target, machine: Machine, style: Style, wanted: Wan
         if not clash - style.taken:
             return files
         style = replace(style, taken=style.taken | clash)
+
+
+def _of_meaning(session: Session) -> list[Finding]:
+    """Findings of the job besides its size, which only matters to the controller that it leaves."""
+    return [finding for finding in session.findings.kept if finding.code is not codes.PROGRAM_TOO_LARGE]
 
 
 def raised(session: Session) -> Job:
@@ -236,7 +241,9 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
         own_devices(session.program, done.assumed), session.setup, session.machine, own, wanted.running, session,
         optional_stop=session.setup.optional_stop if done.switched else None, assumed=done.assumed,
     )  # fmt: skip
-    for finding in (*session.findings.kept, *own.kept):
+    if len(_of_meaning(session)) < len(session.findings.kept):
+        done.assumed.append("the job means what it says, although its own controller does not load so much")
+    for finding in (*_of_meaning(session), *own.kept):
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
     if session.setup.active_work is None:

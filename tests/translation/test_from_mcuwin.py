@@ -51,3 +51,14 @@ def test_an_axis_that_does_not_interpolate_keeps_its_zero(tmp_path: Path) -> Non
     for more in ("", " C90"):
         lines = proven(translated(tmp_path, f"%P\nG53\nG90\nG00 X10{more}\nG01 Z-1 F100\nM30\n%\n", "eding", C_AXIS))
         assert any("C[#5226]" in line or "C#5226" in line for line in lines), lines
+
+
+def test_a_job_may_be_larger_than_its_own_controller_loads(tmp_path: Path) -> None:
+    """13.1.1.13: another controller gets it. A McuWIN that does not load it is no target."""
+    moves = "".join(f"G01 X{n % 90}.5 Y{n % 70}.25 Z{n % 7}.125 F300\n" for n in range(9000))
+    text = f"%P\nG54\nG90\nG00 X10 Y20\n{moves}M30\n%\n"
+    done = translated(tmp_path, text, "eding")
+    assert len(proven(done)) > 9000
+    assert any("does not load so much" in sentence for sentence in done.assumed)
+    (tmp_path / "again").mkdir()
+    assert translated(tmp_path / "again", text, "mcuwin").verdict is Verdict.UNSAFE
