@@ -16,7 +16,15 @@ from gproof.driver.errors import UsageError
 from gproof.driver.session import Running, Session, open_session
 from gproof.driver.targets import TARGETS
 from gproof.driver.translation_machines import MachineTo, machine_to, require_source
-from gproof.driver.translation_terms import lengths_in_numbers, lengths_of, measured, only_local, same_travel
+from gproof.driver.translation_terms import (
+    lengths_in_numbers,
+    lengths_of,
+    measured,
+    only_local,
+    printed_lengths,
+    same_travel,
+    with_lengths,
+)
 from gproof.driver.translation_traces import own_devices, trace_of
 from gproof.ir import codes
 from gproof.ir.dialects import rules_named
@@ -116,9 +124,11 @@ def translate(wanted: Wanted) -> Translation:
     if entry.adapted is not None:
         done.target = target = entry.adapted(target, to.machine, to.files, session.dialect)
     given = wanted.given or map_in(wanted.map)
+    to = replace(to, machine=with_lengths(to.machine, given, wanted.map))
     legal = legal_job(session, target, to.machine, wanted, given)
     done.lowered, done.assumed, done.map = legal.lowered, list(legal.assumed), given
-    done.spare_used, done.lengths, done.only, done.kept = legal.spare_used, legal.lengths, legal.only, dict(legal.kept)
+    done.spare_used, done.only, done.kept = legal.spare_used, legal.only, dict(legal.kept)
+    done.lengths = legal.lengths | printed_lengths(legal.job, to.machine, target)
     for refused in legal.refused:
         tried = f"tried: {'; '.join(refused.tried)}" if refused.tried else ""
         done.findings.add(
@@ -373,7 +383,7 @@ def terms_of(
         tools=tuple(sorted(given.tools.items())),
         source_symbols=only_local(done.session.dialect, done.target.name)
         + measured(done.session.dialect, done.target.name, target, back)
-        + lengths_in_numbers(done.lengths, back)
+        + lengths_in_numbers(done.lengths, back, done.target)
         + tuple(
             SymbolMeaning(symbol=f"work.{old}.{axis}", form=((f"work.{new}.{axis}", 1),))
             for old, new in given.offsets.items() for axis in AXIS_NAMES

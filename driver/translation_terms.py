@@ -4,11 +4,16 @@ are the same places."""
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from gproof.driver.dialects import DIALECTS
+from gproof.driver.errors import UsageError
 from gproof.driver.session import Session
 from gproof.ir.dialects import rules_named
-from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.job import Job, UseLength, walk
+from gproof.ir.machine import AXIS_NAMES, Machine, Tool
+from gproof.ir.program import Number
+from gproof.ir.target import Target
 from gproof.ir.translation_map import TranslationMap
 from gproof.ir.translation_terms import SymbolMeaning
 
@@ -35,13 +40,41 @@ def lengths_of(session: Session, machine: Machine, given: TranslationMap) -> dic
     return found | given.lengths
 
 
-def lengths_in_numbers(lengths: Mapping[int, float], numbers: Mapping[int, int]) -> tuple[SymbolMeaning, ...]:
+def with_lengths(machine: Machine, given: TranslationMap, place: object) -> Machine:
+    """A machine with the tool lengths that the map says and its file does not; UsageError where they contradict."""
+    tools = {tool.number: tool for tool in machine.tools}
+    for number, length in given.lengths.items():
+        tool = tools.get(number, Tool(number=number))
+        if tool.length is not None and tool.length != length:
+            known = f"the machine file says that tool {number} is {tool.length:g} mm long"
+            raise UsageError(f"map file {place}: [lengths] {number} = {length:g}: {known}")
+        tools[number] = replace(tool, length=length)
+    return replace(machine, tools=tuple(tools.values())) if given.lengths else machine
+
+
+def printed_lengths(job: Job, machine: Machine, target: Target) -> dict[int, float]:
+    """mm of the tools whose lengths the job uses, for a target whose programs give them as numbers."""
+    if not target.length_numbers:
+        return {}
+    bodies = (job.body, *(routine.body for routine in job.routines.values()))
+    used = {
+        round(node.tool.value) for body in bodies for node in walk(body)
+        if isinstance(node, UseLength) and node.on and isinstance(node.tool, Number)
+    }  # fmt: skip
+    return {tool.number: tool.length for tool in machine.tools if tool.number in used and tool.length is not None}
+
+
+def lengths_in_numbers(
+    lengths: Mapping[int, float], numbers: Mapping[int, int], target: Target
+) -> tuple[SymbolMeaning, ...]:  # fmt: skip
     """Tool lengths of the source that are in the work zero of a controller without any: as printed, none at the start
     and then what the files say. numbers: of tools of the target, as the source has them."""
     if not lengths:
         return ()
     known = {numbers.get(number, number): length for number, length in lengths.items()}
-    return tuple(SymbolMeaning(symbol=f"tool.{n}.z", mm=mm) for n, mm in sorted({0: 0.0, **known}.items()))
+    if not target.length_numbers:
+        known[0] = 0.0
+    return tuple(SymbolMeaning(symbol=f"tool.{n}.z", mm=mm) for n, mm in sorted(known.items()))
 
 
 def only_local(name: str, other: str, only: Mapping[str, int] | None = None) -> tuple[SymbolMeaning, ...]:

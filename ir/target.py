@@ -45,7 +45,7 @@ FEATURES: dict[str, str] = {
     "cycle_tap_left": "left-hand tapping",
     "arc_turns": "arc of more than one turn",
     "arc_radius": "arc by its radius",
-    "arc_full": "full circle",
+    "arc_full": "full circle that does not name its end",
     "arc_helix": "helix",
     "arc_xz": "arc in XZ",
     "arc_yz": "arc in YZ",
@@ -158,7 +158,8 @@ class Target:
     peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine;
     spare_offset: the work offset that zeros in machine places use, 0 for none; cycle_returns: cycles can
     end at the height before them; two_ways: a choice can have an other way, too; axis_channels: the number of an
-    output is that of an axis and two digits."""
+    output is that of an axis and two digits;
+    length_numbers: programs give a tool's length as a number, because there is no tool table."""
 
     name: str
     title: str
@@ -176,6 +177,7 @@ class Target:
     cycle_returns: bool = True
     two_ways: bool = True
     axis_channels: bool = False
+    length_numbers: bool = False
 
     def verify(self) -> None:
         """Features are those that there are; ValueError otherwise."""

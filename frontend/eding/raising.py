@@ -388,6 +388,8 @@ class EdingRaiser(Raiser):
             return self._cycle(line, rule, span, feed)
         if rule.function in (F.ARC_CW, F.ARC_CCW):
             return [self._arc(line, rule, span, feed)]
+        if rule.function is F.MOTION_CANCEL:
+            raise Unraisable("axis words without a motion code", f"{rule.text} has ended the one before")
         if rule.function not in (F.TRAVERSE, F.FEED, F.PROBE):
             raise Unraisable(rule.text, "a cycle or a move that only this controller has")
         kind = {F.TRAVERSE: "rapid", F.FEED: "feed"}.get(rule.function, "probe")

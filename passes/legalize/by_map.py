@@ -5,7 +5,7 @@ What needs an entry that the map lacks is refused by name; an entry that no oper
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from gproof.ir.job import (
@@ -49,7 +49,10 @@ def by_map(job: Job, given: TranslationMap, target: Target, machine: Machine, *,
         name: replace(routine, body=mapper.body(routine.body)) for name, routine in job.routines.items()
     }  # fmt: skip
     mapped = Job(source=job.source, files=job.files, body=mapper.body(job.body), routines=routines)
-    tables = {"outputs": given.outputs, "inputs": given.inputs, "tools": given.tools, "offsets": given.offsets}
+    tables: dict[str, Iterable[int]] = {
+        "outputs": given.outputs, "inputs": given.inputs, "tools": given.tools, "offsets": given.offsets,
+        "lengths": given.lengths,
+    }  # fmt: skip
     unused = [
         (name, number) for name, table in tables.items() for number in table if (name, number) not in mapper.used
     ]  # fmt: skip
@@ -141,4 +144,6 @@ class _Mapper:
         why = "" if check is None else check(found)
         if why:
             raise _Refused(f"{what} {number}", why)
+        if table == "tools":
+            self.used.add(("lengths", found))
         return Number(float(found), value.span)

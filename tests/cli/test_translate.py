@@ -122,6 +122,22 @@ def test_a_map_gives_the_outputs_of_the_other_machine(folder: Path) -> None:
     assert "P2" in words and "P3" not in words
 
 
+def test_a_map_gives_the_lengths_that_no_file_says(folder: Path) -> None:
+    """grbl has no tool table: G43.1 has the length as a number (Supported G-Codes)."""
+    (folder / "job.cnc").write_text(JOB.replace("G0 X10", "G43 H2\nG0 X10"), encoding="utf-8")
+    done = translate(folder, to="grbl")
+    assert done.exit == 2 and "the length of a tool that the machine file does not have" in done.err
+    done = translate(folder, "--map", given(folder, "[lengths]\n2 = 31.5\n"), to="grbl")
+    assert done.exit == 0 and "assumed: the length of tool 2 of the source program is 31.5 mm" in done.out
+    assert "G43.1 Z31.5\n" in (folder / "out.ngc").read_text()
+    done = translate(folder, "--map", given(folder, "[lengths]\n3 = 31.5\n"), to="grbl", out="new.nc")
+    assert done.exit == 3 and "[lengths] 3: nothing in job.cnc needs it" in done.err
+    (folder / "machine.toml").write_text(MACHINE + "[tools.2]\nlength = 40\n", encoding="utf-8")
+    words = ("--machine-to", "machine.toml", "--map", given(folder, "[lengths]\n2 = 31.5\n"))
+    done = translate(folder, *words, to="grbl", out="new.nc")
+    assert done.exit == 3 and "[lengths] 2 = 31.5: the machine file says that tool 2 is 40 mm long" in done.err
+
+
 def test_the_style_of_a_map_is_used(folder: Path) -> None:
     style = '[style]\ndecimals_mm = 1\nnewline = "crlf"\nheader = ["(made)"]\nfooter = ["(done)"]\n'
     (folder / "job.cnc").write_text(JOB.replace("G0 Z5", "G0 Z5.24"), encoding="utf-8")

@@ -33,4 +33,5 @@ TARGET = Target(
     offsets=6,
     spare_offset=6,
     tools=255,
+    length_numbers=True,
 )  # fmt: skip

@@ -103,6 +103,9 @@ def _table_by_center(node: Moves, context: Context) -> list[Node] | None:
     return [replace(node, rows=Columns(MOVE, arrays))]
 
 
+START_OPEN = "it has to name its end, and where it starts is not known"
+
+
 def named_end(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A full circle that names no place, as one that ends by name where it starts."""
     if isinstance(node, Moves):
@@ -114,6 +117,7 @@ def named_end(node: Node, feature: str, context: Context) -> list[Node] | None:
     for column in COLUMNS[node.plane]:
         here = context.place.get(AXIS_NAMES[column])
         if here is None:
+            context.why = START_OPEN
             return None
         ends.append(AxisPlace(AXIS_NAMES[column], Quantity(Number(here / MM[unit], node.span), unit)))
     if any(place.relative for place in node.to):
@@ -129,6 +133,7 @@ def _table_with_named_ends(node: Moves, context: Context) -> list[Node] | None:
     for column in COLUMNS[node.plane]:
         here = np.zeros(len(which)) if node.relative else before[which, column]
         if np.isnan(here).any() or (rows["radius"][which] != 0.0).any():
+            context.why = START_OPEN
             return None
         arrays["to"][which, column] = here
         arrays["axes"][which] |= np.uint8(1 << column)

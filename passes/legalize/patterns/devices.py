@@ -17,6 +17,9 @@ def coolant_by_map(node: Node, feature: str, context: Context) -> list[Node] | N
         return None
     other = context.options.coolant.get(feature)
     if other is None and (node.mist or node.flood):
+        instead = "mist" if feature == "flood" else "flood"
+        if instead in context.target.legal:
+            context.why = f'it has no {feature}; [coolant] {feature} = "{instead}" of the map makes it the other one'
         return None
     if feature == "mist":
         flood = node.flood if other != "flood" or node.mist is None else node.mist or node.flood
@@ -46,9 +49,10 @@ def change_with_number(node: Node, feature: str, context: Context) -> list[Node]
 
 def change_as_stop(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A tool change by hand on a target without any: a stop, where the map says so."""
-    if not isinstance(node, ChangeTool) or not node.change or context.options.tool_change != "stop":
+    if not isinstance(node, ChangeTool) or not node.change or node.rests or "tool_change" in context.target.legal:
         return None
-    if node.rests or "tool_change" in context.target.legal:
+    if context.options.tool_change != "stop":
+        context.why = 'it has none; with tool_change = "stop" in the map it becomes a stop for the operator'
         return None
     number = context.values.get(SELECTED) if node.number is None else context.value(node.number)
     if number is None:

@@ -352,3 +352,18 @@ def test_chords_are_as_close_to_the_arc_as_they_should_be() -> None:
         assert 1.0 - 0.01 <= middle < 1.0
     # Seen from +Y, X points to the left when Z points up: clockwise from X0 to X2 is by way of Z-1.
     assert min(z for _, z in ends) < -0.99 and max(z for _, z in ends) <= 1e-12
+
+
+@each(
+    "node,target,why",
+    [
+        (change(3), "grbl", 'it has none; with tool_change = "stop" in the map it becomes a stop for the operator'),
+        (SwitchCoolant(mist=True, flood=None, span=PLACE), "mcuwin",
+         'it has no mist; [coolant] mist = "flood" of the map makes it the other one'),
+        (ArcTo(to=(), plane="xy", clockwise=True, center=at(x=5, y=0, relative=True), feed=None, span=PLACE), "eding",
+         "it has to name its end, and where it starts is not known"),
+    ],
+)  # fmt: skip
+def test_a_refusal_says_what_would_help(node: Node, target: str, why: str) -> None:
+    (refused,) = legalize(job(node), TARGETS[target].target(), Options()).refused
+    assert refused.why == why
