@@ -374,7 +374,12 @@ DEVICES: dict[str, tuple[int, int, str]] = {
     "height_map_on": (0, 0, "height compensation on"),
     "height_map_off": (0, 0, "height compensation off"),
     "wait": (1, 1, "wait for so many seconds, in the unit of the controller's wait function"),
-    "own_tool_change": (1, 1, "the machine's own tool change, whatever its macros do: the tool; no program has it"),
+    "own_tool_change": (
+        1,
+        9,
+        "the machine's own tool change, whatever its macros do: the tool, outputs that it switches "
+        "off; no program has it",
+    ),
     "nesting": (2, 2, "preset of the dialog that repeats a job in rows, and its value; nothing moves by it"),
 }
 """Commands of ``Device`` nodes: (least, most arguments, meaning)."""

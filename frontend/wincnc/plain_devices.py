@@ -7,24 +7,28 @@ For comparing programs of two machines, each of which does these in its own way 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
 from gproof.ir.program import (
+    Binary,
     Block,
     BlockTable,
     Call,
     Device,
     Expr,
+    If,
     Named,
     Number,
     Program,
     Replaced,
     Statement,
+    Unary,
     Word,
     parts_of,
 )
+from gproof.ir.record import record
 
 _CHANGE = re.compile(r"[ \t]*M0*6(?![0-9.])", re.IGNORECASE)
 _DEVICE = re.compile(r"[ \t]*M0*[345789](?![0-9.])", re.IGNORECASE)
@@ -54,8 +58,11 @@ def _of(node: Statement, program: Program) -> Statement:
         tool = next((word.value for word in node.line.words if word.letter == "T"), None)
         if tool is not None:
             kept = [_with(block, tool) for block in _settings(node.body, program, frozenset())]
+            off = spindle_off(node.body, program)
+            values = (tool, *(Number(float(one), node.span) for one in (off.when, *off.channels)))
+            rest = (Device(name="own_spindle_off", arguments=values, span=node.span),) if off.channels else ()
             change = Device(name="own_tool_change", arguments=(tool,), span=node.span)
-            return replace(node, body=(*kept, change))
+            return replace(node, body=(*rest, *kept, change))
     if isinstance(node, Replaced) and _DEVICE.match(node.written):
         switches = device_switches(node.body, program)
         if switches is not None:
@@ -66,6 +73,64 @@ def _of(node: Statement, program: Program) -> Statement:
         if isinstance(inner, tuple) and inner and not isinstance(node, BlockTable | Block):
             changed[name] = _plain(inner, program)
     return replace(node, **changed) if changed else node
+
+
+@record(frozen=True, slots=True)
+class SpindleOff:
+    """What a tool change does to the spindle. channels: outputs that its macro switches off and not on again; when: see
+    ``ALWAYS``, ``OTHER_TOOL``, ``MAYBE``."""
+
+    channels: tuple[int, ...] = ()
+    when: int = 0
+
+
+ALWAYS, OTHER_TOOL, MAYBE = range(3)
+"""Whatever the macro meets; where another tool is in the spindle (L110 to L112); where something else says so."""
+
+
+def spindle_off(body: Iterable[Statement], program: Program) -> SpindleOff:
+    """What the macro of a tool change does to the spindle."""
+    spindle = {*program.spindle_outputs.forward, *program.spindle_outputs.backward}
+    last: dict[int, tuple[bool, int]] = {}
+    for on, channel, when in _switched(body, program, frozenset(), ALWAYS):
+        if channel in spindle and (on or when == ALWAYS or last.get(channel) != (False, ALWAYS)):
+            last[channel] = on, when
+    off = {channel: when for channel, (on, when) in sorted(last.items()) if not on}
+    return SpindleOff(tuple(off), max(off.values(), default=ALWAYS))
+
+
+_ON = (11.0, 13.0)
+_TOOL_NAMES = frozenset(("T", "TP1", "TP2"))
+
+
+def _switched(
+    body: Iterable[Statement], program: Program, calls: frozenset[str], when: int
+) -> Iterator[tuple[bool, int, int]]:
+    """(on, output, when) of the lines of a macro and of files that it calls, in their order."""
+    for node in body:
+        if isinstance(node, Call) and node.name in program.subprograms and node.name not in calls:
+            yield from _switched(program.subprograms[node.name].body, program, calls | {node.name}, when)
+        elif isinstance(node, BlockTable):
+            table = _of_table(node, program, lambda name, value: name == "M")
+            yield from _switched(table, program, calls, when)
+        elif isinstance(node, Block):
+            values = {word.letter: word.value.value for word in node.words if isinstance(word.value, Number)}
+            if values.get("M") in _SWITCHES and "C" in values:
+                yield values["M"] in _ON, round(values["C"]), when
+        else:
+            inner = when
+            if isinstance(node, If):
+                inner = max(when, OTHER_TOOL if _asks_for_tool(node.condition) else MAYBE)
+            for part in parts_of(node):
+                yield from _switched(part, program, calls, inner)
+
+
+def _asks_for_tool(condition: Expr) -> bool:
+    """Whether a condition only compares the tool of the change with that in the spindle."""
+    if isinstance(condition, Unary):
+        return _asks_for_tool(condition.operand)
+    sides = (condition.left, condition.right) if isinstance(condition, Binary) else ()
+    return len(sides) == 2 and all(isinstance(one, Named) and one.name in _TOOL_NAMES for one in sides)
 
 
 def device_switches(body: Iterable[Statement], program: Program) -> tuple[Block, ...] | None:
@@ -123,14 +188,19 @@ def _settings(body: Iterable[Statement], program: Program, calls: frozenset[str]
             ):
                 yield node
         elif isinstance(node, BlockTable):
-            yield from _of_table(node, program)
+            yield from _of_table(node, program, _says_tool)
         else:
             for part in parts_of(node):
                 yield from _settings(part, program, calls)
 
 
-def _of_table(table: BlockTable, program: Program) -> Iterator[Block]:
-    """G43 and G49 among plain lines."""
+def _says_tool(name: str, value: float) -> bool:
+    """G43, G49, and which tool is in a spindle."""
+    return (name == "G" and value in _LENGTH) or (name == "L" and value in _TOOL)
+
+
+def _of_table(table: BlockTable, program: Program, wanted: Callable[[str, float], bool]) -> Iterator[Block]:
+    """Plain lines with a code that is wanted."""
     from gproof.ir.finding import Span
 
     words, _, _ = program.load(table, table.begin, table.first_line, 1 << 22)
@@ -138,7 +208,7 @@ def _of_table(table: BlockTable, program: Program) -> Iterator[Block]:
         words["line"].tolist(), words["letter"].tolist(), words["value"].tolist(), strict=True
     ):
         name = chr(letter)
-        if (name == "G" and value in _LENGTH) or (name == "L" and value in _TOOL):
+        if wanted(name, value):
             same = words["line"] == line
             span = Span(program.files[table.file].name, line)
             found = tuple(

@@ -18,7 +18,7 @@ from gproof.frontend.wincnc import raising_cycles as cycles
 from gproof.frontend.wincnc import raising_devices as devices
 from gproof.frontend.wincnc import raising_frames as frames
 from gproof.frontend.wincnc import raising_motion as motion
-from gproof.frontend.wincnc.plain_devices import device_switches
+from gproof.frontend.wincnc.plain_devices import device_switches, spindle_off
 from gproof.frontend.wincnc.raising_feeds import after_table, say_feeds, table_feeds, unknown
 from gproof.frontend.wincnc.raising_line import Command, LineRaiser
 from gproof.ir.columns import Array as Numbers
@@ -39,6 +39,7 @@ from gproof.ir.job import (
     RepeatGrid,
     SetFrame,
     ShowText,
+    TurnSpindle,
     UseLength,
     walk,
 )
@@ -331,8 +332,10 @@ class WinCncRaiser(LineRaiser):
             raise Unraisable("M6", "it does not come back")
         self.forget_height()
         self.set_own("settled", False)
-        change = ChangeTool(number=number, select=True, change=True, span=node.span)
         left = devices.left_by(inner, self.routines, node.span)
+        rests = bool(spindle_off(node.body, self.program).channels)
+        left = [one for one in left if not (rests and isinstance(one, TurnSpindle))]
+        change = ChangeTool(number=number, select=True, change=True, rests=rests, span=node.span)
         lengths = self.own_mode("lengths", True)
         if unknown(lengths):
             raise Unraisable("M6", "whether G49 is in force depends on the way that the program took")

@@ -49,8 +49,6 @@ UNPROVEN = {
     "guilloche-engraving": "the angle of a filter of corners (R)",
     "raster-surface": "the angle of a filter of corners (R)",
     "turning-diameter": "diameters of a lathe",
-    "router-atc/hinge-plates": "M6 stops the spindle",
-    "rotary-mill/keyways": "the zero of C that is left",
 }
 """Jobs that are written and not proven, and why."""
 

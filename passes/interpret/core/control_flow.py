@@ -51,6 +51,7 @@ from gproof.ir.trace import Chunk, Edge, Op, Wait
 from gproof.passes.interpret.core import refused_lines
 from gproof.passes.interpret.core.block_tables import BlockTables
 from gproof.passes.interpret.core.call_stack import Caller, Frame, Path
+from gproof.passes.interpret.core.channels import with_pair
 from gproof.passes.interpret.core.expressions import describe_parts
 from gproof.passes.interpret.core.hot_blocks import HotBlocks
 from gproof.passes.interpret.core.hot_passes import HotPasses
@@ -448,6 +449,8 @@ class ControlFlow:
                 self.run.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self.run.text_number(node.name))
             elif isinstance(node, Device) and node.name == OWN_TOOL_CHANGE:
                 self._own_tool_change(node)
+            elif isinstance(node, Device) and node.name == OWN_SPINDLE_OFF:
+                self._own_spindle_off(node)
             elif isinstance(node, Device):
                 self.run.dialect.device(self.run, node)
             elif isinstance(node, Mistake):
@@ -483,6 +486,21 @@ class ControlFlow:
         run.state_changed()
         run.event(Op.TOOL_CHANGE, node.span, arg=(math.nan if isinstance(number, Unknown) else number, 0.0))
         run.end_section(Wait.TOOL_CHANGE, "tool changed", None, node.span)
+
+    def _own_spindle_off(self, node: Device) -> None:
+        """Before that tool change, outputs of the spindle that are on: off, or that is open."""
+        run = self.run
+        tool, when, *channels = (run.evaluator.value(one) for one in node.arguments)
+        on = {number for number, value in run.modal.outputs if value}
+        turning = [one for one in channels if not isinstance(one, Unknown) and round(one) in on]
+        before = run.modal.tool
+        if not turning or (when == 1.0 and before is not None and tool == float(before)):
+            return
+        if when == 2.0 or (when == 1.0 and (before is None or isinstance(tool, Unknown))):
+            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="a tool change that may leave the spindle on"))
+        for channel in turning:
+            run.modal.outputs = with_pair(run.modal.outputs, round(channel), 0.0)
+            run.event(Op.OUTPUT, node.span, arg=(channel, 0.0))
 
     def _message(self, node: Message) -> None:
         text = describe_parts(node.parts, self.run.evaluator)
@@ -541,6 +559,7 @@ MOST_RETRIES = 8
 _SILENT = frozenset((Label, Declare, Include, Mode))
 """Statements that do nothing when they run."""
 OWN_TOOL_CHANGE = "own_tool_change"
+OWN_SPINDLE_OFF = "own_spindle_off"
 _PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))
 
 
