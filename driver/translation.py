@@ -247,8 +247,10 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
     session = done.session
     assert session.program is not None
     own = Findings()
+    # Whatever inputs and answers the setup states: the proof is for all of them.
+    stated = replace(session.setup, inputs={}, outputs={}, virtual={}, answers={})
     source = trace_of(
-        own_devices(session.program, done.assumed), session.setup, session.machine, own, wanted.running, session,
+        own_devices(session.program, done.assumed), stated, session.machine, own, wanted.running, session,
         optional_stop=session.setup.optional_stop if done.switched else None, assumed=done.assumed,
     )  # fmt: skip
     if len(_of_meaning(session)) < len(session.findings.kept):
@@ -271,7 +273,7 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
         if printed is None:
             _also(done, read, Path(folder))
             return
-        setup = session.setup if wanted.to == session.dialect else NOTHING
+        setup = stated if wanted.to == session.dialect else NOTHING
         target = trace_of(
             own_devices(printed, done.assumed), setup, machine, read, wanted.running, session, assumed=done.assumed
         )

@@ -7,7 +7,7 @@ from typing import Any
 
 from gproof.ir.job import Choice, Node, WaitFor
 from gproof.ir.job_features import parts_of_expression
-from gproof.ir.program import Expr, Input, Number, Variable
+from gproof.ir.program import Binary, Expr, Input, Number, Unary, Variable
 from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
 
@@ -26,11 +26,21 @@ def read_first(node: Node, feature: str, context: Context) -> list[Node] | None:
     if only.kind != "input":
         return None
     held = Variable(Number(float(READ_INTO), node.span), node.span)
-    condition = _replaced(node.condition, only, held)
+    condition = _asked(node.condition, only, held)
     return [
         WaitFor(channel=only.number, on=None, span=node.span),
         replace(node, condition=condition),
     ]
+
+
+def _asked(condition: Expr, only: Expr, held: Expr) -> Expr:
+    """A condition on what was read: 1 where the input is on."""
+    wanted, inner = 1.0, condition
+    while isinstance(inner, Unary) and inner.operator == "not":
+        wanted, inner = 1.0 - wanted, inner.operand
+    if inner == only:
+        return Binary("==", held, Number(wanted, condition.span), condition.span)
+    return _replaced(condition, only, held)
 
 
 def _replaced(expr: Expr, old: Expr, new: Expr) -> Expr:

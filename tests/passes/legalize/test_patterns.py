@@ -126,7 +126,7 @@ CASES = {
     "arguments -> variables": Case("eding", job(run(v5=2), a=[cut(x=1)]), "#5 = 2; run a", other_target="grbl"),
     "subprogram -> what it does": Case("grbl", job(run(), a=[cut(x=1)]), "cut x1", other_target="eding"),
     "input in a condition -> read before": Case(
-        "eding", job(INPUT), "read 3; if #5399 {cut x1} else {}", other_target="mcuwin"
+        "eding", job(INPUT), "read 3; if (#5399 == 1) {cut x1} else {}", other_target="mcuwin"
     ),
     "choice -> the way that is taken": Case("grbl", job(CHOICE), "cut x1", other_target="eding"),
     "block delete -> what its switch says": Case("eding", job(PART), "", options=Options(block_delete=True)),
