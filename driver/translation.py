@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -123,6 +123,11 @@ def translate(wanted: Wanted) -> Translation:
         return done
     if entry.adapted is not None:
         done.target = target = entry.adapted(target, to.machine, to.files, session.dialect)
+    for construct in () if wanted.to == session.dialect else _stated_only(session):
+        span, why = Span(str(wanted.job), 1), "the setup file states it, and no program switches it on there"
+        done.findings.add(codes.NOT_TRANSLATED.at(span, construct=construct, target=target.title, why=why))
+    if done.findings.kept:
+        return done
     given = wanted.given or map_in(wanted.map)
     to = replace(to, machine=with_lengths(to.machine, given, wanted.map))
     legal = legal_job(session, target, to.machine, wanted, given)
@@ -156,6 +161,14 @@ def translate(wanted: Wanted) -> Translation:
     if not done.partial:
         prove(done, to, wanted, style)
     return done
+
+
+def _stated_only(session: Session) -> Iterator[str]:
+    """What changes the path of the whole job on its own controller, and is in no line of it."""
+    if session.setup.cylinder is not None:
+        yield "Y mapped onto A"
+    if session.setup.height_map is not None and session.setup.height_map.on:
+        yield "height compensation"
 
 
 def _files(job: Job, target: Target, machine: Machine, style: Style, wanted: Wanted) -> dict[str, bytes]:
@@ -336,7 +349,12 @@ def _also(done: Translation, findings: Findings, folder: Path) -> None:
         return replace(span, file=span.file.removeprefix(f"{folder}/"))
 
     for finding in findings.kept:
-        if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
+        if finding.code == codes.PROGRAM_TOO_LARGE:
+            span, what = Span(str(done.session.job), 1), "a program of this length"
+            why = finding.message
+            done.findings.add(codes.NOT_TRANSLATED.at(span, construct=what, target=done.target.title, why=why))
+            done.files = {}
+        elif finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             related = tuple(replace(one, span=named(one.span)) for one in finding.related)
             done.findings.add(replace(finding, span=named(finding.span), related=related))
 
@@ -399,6 +417,7 @@ def terms_of(
         rapids_assumed=not wanted.straight_rapids, left_out=left_out, machine_zero_shared=same_travel(source, target),
         tool_by_stop=given.tool_change == "stop",
         stops_on=done.switched and bool(done.session.setup.optional_stop),
+        filter_left_out=any(one.feature == "path_filter" for one in done.lowered),
     )  # fmt: skip
 
 

@@ -45,6 +45,7 @@ pre_include = ""
 post_include = ""
 shortest_path = false
 error_compensation = false
+program_size = 500000
 {zeros}
 [din.task0]
 M0 = "stop"

@@ -46,8 +46,6 @@ UNPROVEN = {
     "park-positions": "the parking places of both controllers are not known",
     "unknown-switch": "#4001 is unknown",
     "pcb-height-map": "the height map of the source is not on the target",
-    "guilloche-engraving": "the angle of a filter of corners (R)",
-    "raster-surface": "the angle of a filter of corners (R)",
     "turning-diameter": "diameters of a lathe",
 }
 """Jobs that are written and not proven, and why."""

@@ -174,7 +174,7 @@ class Side:
         """What of a state must be the same on both sides, by the names of ``ROW_FACTS``; NaN is ``unknown`` here."""
         found: dict[str, Any] = {
             "tool": self.tools.get(state.tool, state.tool),
-            "path_mode": (int(state.path_mode), *map(_number, (state.path_tolerance, state.simplify, state.laf_angle))),
+            "path_mode": (int(state.path_mode), _number(state.path_tolerance), *self._filter(state)),
             "overrides": state.overrides,
             "head": state.head,
             "surface_speed": (_number(state.surface_speed), _number(state.spindle_limit)),
@@ -190,6 +190,13 @@ class Side:
         if self.terms.tool_by_stop:
             del found["tool"]  # the number may be in a text alone; the changes are compared as events
         return {name: value for name, value in found.items() if name not in self.terms.left_out}
+
+    def _filter(self, state: State) -> tuple[float | str, ...]:
+        """Tolerance of simplified moves and angle that is passed without a stop; those of a source that the target need
+        not have are none: then the target may have none."""
+        if self.terms.filter_left_out and self.which == 0:
+            return 0.0, _number(math.nan)
+        return _number(state.simplify), _number(state.laf_angle)
 
     def _limits(self, state: State) -> tuple[Any, ...]:
         """Limits of the work that the program has changed: those of the start are the machine's own."""

@@ -95,6 +95,17 @@ def test_what_is_wrong_is_named(shop: Shop, name: str) -> None:
     assert source is not None and abs(source[1] - line) <= 2, (answer, line)
 
 
+def test_leave_to_join_short_moves_may_be_left_out(shop: Shop) -> None:
+    """Q and R of G61 and G64 (Eding CNC 3.4.16): who goes to every place is within them; the reverse is another path."""
+    free, strict = (JOB.replace("G1 X40\n", f"G64 P0.1{more}\nG1 X40\nG61\n") for more in (" Q0.05 R3", ""))
+    left_out = dataclasses.replace(STRAIGHT, filter_left_out=True)
+    assert shop.compared(free, strict).verdict is Verdict.UNSAFE
+    answer = shop.compared(free, strict, left_out)
+    assert answer.verdict is Verdict.SAFE and any("are not joined" in text for text in answer.assumptions)
+    assert shop.compared(strict, free, left_out).verdict is Verdict.UNSAFE
+    assert shop.compared(free, strict.replace("P0.1", "P0.2"), left_out).verdict is Verdict.UNSAFE
+
+
 def arc(count: int) -> str:
     """A quarter of radius 10 about X20 Y10 as chords, the arc of JOB, by the circle's own formula."""
     from math import cos, pi, radians, sin
