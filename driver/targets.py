@@ -24,7 +24,8 @@ class TargetEntry:
     """target: its table; write: (legal job, table, machine, style) -> text of files by name, "" for the job's own;
     comment: what is around the text of a comment; adapted: the table for a machine, its files and the language of the
     source; read: (texts, name of the job's own, machine, work offset at the start) -> what they do, for a language
-    without a front end; machine_file: name of the controller's own machine file, "" where gproof reads none."""
+    without a front end; machine_file: name of the controller's own machine file, "" where gproof reads none;
+    diameters: X of its programs may be one, as the machine file says."""
 
     target: Callable[[], Target]
     write: Callable[[Job, Target, Machine, Style], dict[str, bytes]]
@@ -32,6 +33,7 @@ class TargetEntry:
     adapted: Callable[[Target, Machine, Sequence[Path], str], Target] | None = None
     read: Callable[[dict[str, bytes], str, Machine, int], ReadBack] | None = None
     machine_file: str = ""
+    diameters: bool = False
 
 
 def _eding() -> Target:
@@ -120,7 +122,7 @@ def _write_wincnc(job: Job, target: Target, machine: Machine, style: Style) -> d
 
 
 TARGETS: dict[str, TargetEntry] = {
-    "eding": TargetEntry(_eding, _write_eding, machine_file="cnc.ini"),
+    "eding": TargetEntry(_eding, _write_eding, machine_file="cnc.ini", diameters=True),
     "wincnc": TargetEntry(_wincnc, _write_wincnc, ("[", "]"), _wincnc_of, machine_file="WINCNC.INI"),
     "mcuwin": TargetEntry(_mcuwin, _write_mcuwin, ("' ", ""), _mcuwin_of, machine_file="McuWIN.ini"),
     "linuxcnc": TargetEntry(_linuxcnc, _write_linuxcnc, read=_read_linuxcnc),

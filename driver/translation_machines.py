@@ -48,4 +48,6 @@ def machine_to(to: str, path: Path | None) -> MachineTo:
     stated = machine.controller.dialect
     if to in DIALECTS and stated is not None and stated != to:
         raise UsageError(f"machine file {path}: the machine has {TARGETS[stated].target().title}, not {title}")
+    if machine.controller.diameter_programming and not entry.diameters:
+        raise UsageError(f"machine file {path}: diameter_programming: programs for {title} have no diameters here")
     return MachineTo(machine=machine, files=tuple(dict.fromkeys((path, *(Path(name) for name, _ in files)))))

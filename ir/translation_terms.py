@@ -49,8 +49,8 @@ class TranslationTerms:
     stops_on: the switch for optional stops is stated to be on.
     machine_zero_shared: machine coordinates of both machines count from the same place.
     tool_by_stop: a stop of the target that names a tool, by its number after it or in its text, is the tool change.
-    filter_left_out: the source may let its controller join short moves within a tolerance, and choose how fast it passes
-    small angles; the target goes to every place as it is programmed, which is within that tolerance; this is printed.
+    filter_left_out: the source may let its controller join short moves within a tolerance, and choose how fast it
+    passes small angles; the target goes to every place, which is within that tolerance; this is printed.
     tool_change_waits: a wait for the operator at a tool change is compared; else a machine that changes the tool by
     itself does the same as one that waits for somebody who does.
     """

@@ -19,6 +19,7 @@ from gproof.ir.job import (
     Feed,
     HomeAxes,
     Job,
+    Moves,
     MoveTo,
     Node,
     ParkAt,
@@ -37,8 +38,9 @@ from gproof.ir.job import (
     UseLength,
     WaitFor,
 )
+from gproof.ir.job_diameters import x_times
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import Call, Device, Expr, Guard, Message, Number, Program, Statement, Text, Variable
+from gproof.ir.program import Binary, Call, Device, Expr, Guard, Message, Number, Program, Statement, Text, Variable
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 
@@ -314,6 +316,8 @@ class EdingRaiser(Raiser):
             return [SetFrame(action="rotate_off", span=span)]
         if rule.function is F.SCALING_OFF:
             return [SetFrame(action="scale_off", span=span)]
+        if self.machine.controller.diameter_programming:
+            raise Unraisable(rule.text, "whether its X counts as a diameter is open (2.1.14)")
         if rule.function is F.ROTATION_ON:
             angle = line.need("R", "G68")
             return [SetFrame(action="rotate", angle=Quantity(angle, "deg"), places=self._places(line), span=span)]
@@ -349,7 +353,13 @@ class EdingRaiser(Raiser):
         return Quantity(value, self.modes.unit)
 
     def _at(self, axis: str, value: Expr) -> Quantity:
+        if axis == "x" and self.machine.controller.diameter_programming:
+            value = _half(value)
         return self.length_of(value) if axis in "xyz" else Quantity(value, "deg")
+
+    def table_moves(self, moves: Moves) -> list[Node]:
+        """X numbers may be diameters (2.1.14)."""
+        return [x_times(moves, 0.5) if self.machine.controller.diameter_programming else moves]
 
     def _places(self, line: Words, *, motion: bool = False, only: str = "XYZABC") -> tuple[AxisPlace, ...]:
         """The axis words; motion: relative ones in G91."""
@@ -450,8 +460,8 @@ class EdingRaiser(Raiser):
         return [
             DrillHole(
                 kind=kind, at=at, plane=modes.plane, back=modes.back, span=span, repeats=repeats, feed=feed,
-                top=AxisPlace(axis, self.length_of(kept["R"]), relative),
-                bottom=AxisPlace(axis, self.length_of(kept[depth]), relative),
+                top=AxisPlace(axis, self._at(axis, kept["R"]), relative),
+                bottom=AxisPlace(axis, self._at(axis, kept[depth]), relative),
                 peck=None if peck is None else self.length_of(peck),
                 clearance=None if peck is None else self._clearance(span),
                 lift=self.length_of(peck) if peck is not None and kind == "chip_break" else None,
@@ -506,3 +516,10 @@ def _mentions(body: object, number: int) -> bool:
 def raise_program(program: Program, machine: Machine) -> Job:
     """A Program of Eding CNC as a Job."""
     return EdingRaiser(program, machine).job()
+
+
+def _half(value: Expr) -> Expr:
+    """The radius of a diameter."""
+    if isinstance(value, Number):
+        return replace(value, value=value.value / 2.0)
+    return Binary("/", value, Number(2.0, value.span), value.span)

@@ -70,7 +70,7 @@ def machine_like(source: Path, to: str, folder: Path) -> Path:
     for name, text in SHOP.items() if to == "wincnc" else ():
         (folder / name).write_text(text, encoding="utf-8")
     path = folder / FILE
-    path.write_text("\n".join(_lines(machine, to)), encoding="utf-8")
+    path.write_text("\n".join(_lines(machine, to)) + "\n", encoding="utf-8")
     _read(path)
     return path
 
@@ -93,7 +93,8 @@ def _lines(machine: Machine, to: str) -> Iterator[str]:
         yield f"\n[spindles.{spindle.number}]"
         yield from _stated(min_rpm=spindle.min_rpm, max_rpm=spindle.max_rpm)
     yield "\n[controller]"
-    yield from _stated(diameter_programming=machine.controller.diameter_programming or None)
+    if to == "eding":
+        yield from _stated(diameter_programming=machine.controller.diameter_programming or None)
     if to in ("eding", "wincnc", "mcuwin"):
         yield f'dialect = "{to}"'
     if to == "wincnc":

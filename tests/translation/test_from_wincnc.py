@@ -29,7 +29,7 @@ CHANGES = {
     "another tool": "L112 T{t}\nM98 SWAP.MAC\n" + COUNT,
     "an input": "M17.1 C1\nM98 SWAP.MAC\n" + COUNT,
 }
-"""Macros of M6: with the spindle off, off where another tool is in the spindle (L112), off where an input is on (M17.1)."""
+"""Macros of M6: the spindle off, off where another tool is in it (L112), off where an input is on (M17.1)."""
 
 
 def translated(folder: Path, change: str, to: str = "eding", again: int = 2, spindle: str = "M3") -> Translation:
@@ -59,7 +59,7 @@ def test_a_change_that_switches_the_spindle_off_is_one_that_stops_it(tmp_path: P
 
 
 def test_the_spindle_of_a_tool_that_is_in_it_already_goes_on(tmp_path: Path) -> None:
-    """L112 skips the change of tool 1 for tool 1: the job cuts with a spindle that turns, the M6 of Eding CNC stops it."""
+    """L112 skips the change of tool 1 for tool 1: the job cuts with a spindle that turns, M6 of Eding CNC stops it."""
     assert translated(tmp_path, "another tool", again=1, spindle="G0 X11").verdict is not Verdict.SAFE
 
 

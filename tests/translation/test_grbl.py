@@ -26,8 +26,6 @@ GRBL_REFUSED = REFUSED | {
 """Besides those: what LinuxCNC has and grbl has not ("Supported G-Codes")."""
 UNPROVEN = {
     "park-positions": "the parking places of both controllers are not known",
-    "pcb-height-map": "the height map of the source is not on the target",
-    "turning-diameter": "diameters of a lathe",
 }
 
 G = (

@@ -45,8 +45,6 @@ REFUSED = {
 UNPROVEN = {
     "park-positions": "the parking places of both controllers are not known",
     "unknown-switch": "#4001 is unknown",
-    "pcb-height-map": "the height map of the source is not on the target",
-    "turning-diameter": "diameters of a lathe",
 }
 """Jobs that are written and not proven, and why."""
 

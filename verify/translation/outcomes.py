@@ -111,7 +111,7 @@ def say_assumptions(sides: tuple[Side, Side], result: Comparison) -> None:
     if any(state.compensation for side in sides for state in side.trace.states):
         result.assume("the radius of each tool is the one in the machine files")
     if terms.filter_left_out:
-        result.assume("short moves are not joined (Q of G61 and G64), and how fast small angles are passed (R) is a setting")
+        result.assume("short moves are not joined (Q of G61, G64); how fast small angles are passed (R) is a setting")
     if terms.tool_by_stop:
         result.assume("at a stop that names a tool the operator puts in that tool")
     if any(side.polls for side in sides):

@@ -266,7 +266,8 @@ class _Reader:
             return False
         if any(axes[:, k].any() for k, letter in enumerate("XYZABC") if letter not in self.language.axes):
             return False
-        if arcs.any() and (now.plane is None or not now.centers_known):
+        by_center = arcs & np.isnan(values[:, 10])
+        if (arcs.any() and now.plane is None) or (by_center.any() and not now.centers_known):
             return False
         fed = values[:, 11]
         named = np.maximum.accumulate(np.where(np.isnan(fed), -1, np.arange(len(fed))))

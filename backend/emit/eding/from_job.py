@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from gproof.backend.emit.eding.expressions import inside, part, value, variable
 from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.rs274.writer import ONCE, OUTPUT, Rs274Writer
 from gproof.ir.job import (
+    AxisPlace,
     Choice,
     Job,
     LeaveRoutine,
     LoopWhile,
+    Moves,
     Node,
+    Quantity,
     Routine,
     RunRoutine,
     SetFrame,
@@ -22,8 +26,9 @@ from gproof.ir.job import (
     SwitchOutput,
     WaitFor,
 )
+from gproof.ir.job_diameters import x_times
 from gproof.ir.machine import Machine
-from gproof.ir.program import Expr, Number
+from gproof.ir.program import Binary, Expr, Number
 from gproof.ir.target import Style, Target
 
 
@@ -44,6 +49,18 @@ class EdingWriter(Rs274Writer):
     def comment(self, text: str) -> str:
         """``(text)``, or after a semicolon where the text has brackets (3.2.4)."""
         return f"({text})" if "(" not in text and ")" not in text else f"; {text}"
+
+    # ---- X of lathes (2.1.14)
+
+    def words(self, places: tuple[AxisPlace, ...]) -> list[str]:
+        """Axis words; X of a machine with diameter programming is a diameter."""
+        if self.machine.controller.diameter_programming:
+            places = tuple(replace(place, at=_doubled(place.at)) if place.axis == "x" else place for place in places)
+        return super().words(places)
+
+    def moves(self, node: Moves) -> None:
+        """A table, likewise."""
+        super().moves(x_times(node, 2.0) if self.machine.controller.diameter_programming else node)
 
     # ---- structure (4.1)
 
@@ -131,6 +148,13 @@ class EdingWriter(Rs274Writer):
             self.put(ONCE, ["G50"], node.span)
         else:
             super().frame(node)
+
+
+def _doubled(amount: Quantity) -> Quantity:
+    value = amount.value
+    if isinstance(value, Number):
+        return replace(amount, value=replace(value, value=value.value * 2.0))
+    return replace(amount, value=Binary("*", value, Number(2.0, value.span), value.span))
 
 
 def write(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:

@@ -96,7 +96,7 @@ def test_what_is_wrong_is_named(shop: Shop, name: str) -> None:
 
 
 def test_leave_to_join_short_moves_may_be_left_out(shop: Shop) -> None:
-    """Q and R of G61 and G64 (Eding CNC 3.4.16): who goes to every place is within them; the reverse is another path."""
+    """Q and R of G61 and G64 (Eding CNC 3.4.16): who goes to every place is within them, not the reverse."""
     free, strict = (JOB.replace("G1 X40\n", f"G64 P0.1{more}\nG1 X40\nG61\n") for more in (" Q0.05 R3", ""))
     left_out = dataclasses.replace(STRAIGHT, filter_left_out=True)
     assert shop.compared(free, strict).verdict is Verdict.UNSAFE

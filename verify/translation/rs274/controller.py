@@ -363,14 +363,16 @@ class Controller:
         manner = self.manner(machine=machine)
         if machine and code > 1:
             raise Unread("G53 with an arc")
-        if code >= 2 and (self.plane is None or not self.centers_known):
-            raise Unread("an arc before its plane or G91.1")
+        if code >= 2 and self.plane is None:
+            raise Unread("an arc before its plane")
         table = _NO_WORDS.copy()
         for column, letter in enumerate("XYZABCIJK" if code >= 2 else AXES):
             value = words.take(letter)
             if value is not None:
                 table[column] = value
         radius = words.take("R") if code >= 2 else None
+        if code >= 2 and radius is None and not self.centers_known:
+            raise Unread("the centre of an arc before G91.1")
         turns = words.take("P") if code >= 2 else None
         if turns is not None and (turns != round(turns) or turns < 1 or not self.language.structured):
             raise Unread("an arc with P")
