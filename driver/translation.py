@@ -286,6 +286,8 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
         if printed is None:
             _also(done, read, Path(folder))
             return
+        if _takes_devices(done, printed):
+            return
         setup = stated if wanted.to == session.dialect else NOTHING
         target = trace_of(
             own_devices(printed, done.assumed), setup, machine, read, wanted.running, session, assumed=done.assumed
@@ -294,6 +296,19 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
         terms = terms_of(done, printed.spindle_outputs, session.machine, machine, wanted, style)
         comparison = compare(source, target, terms)
     _conclude(done, comparison, wanted)
+
+
+def _takes_devices(done: Translation, printed: Program) -> bool:
+    """Whether an output of the job is, by the map, one that runs the spindle or coolant on the target: GP703."""
+    own = printed.spindle_outputs
+    channels = {*own.forward, *own.backward, *own.coolant} if done.session.dialect != done.target.name else set()
+    for old, new in sorted(done.map.outputs.items()):
+        if new in channels:
+            span, what = Span(str(done.session.job), 1), f"output {old}"
+            why = f"its output {new} runs the spindle or coolant: map it to another one"
+            done.findings.add(codes.NOT_TRANSLATED.at(span, construct=what, target=done.target.title, why=why))
+            done.files = {}
+    return not done.files
 
 
 def _conclude(done: Translation, comparison: Comparison, wanted: Wanted) -> None:

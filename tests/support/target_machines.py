@@ -17,12 +17,13 @@ from gproof.ir.machine import Axis, Machine, Tool
 
 FILE = "machine.toml"
 SHOP = {
-    "CNC.MAC": "M3=M11C2\nM4=M11C1\nM5=M98 REST.MAC\nM6=M98 CHANGE.MAC\nM7=M11C4\nM8=M11C3\nM9=M98 DRY.MAC\n",
-    "REST.MAC": "M12C1\nM12C2\n",
-    "DRY.MAC": "M12C3\nM12C4\n",
+    "CNC.MAC": "M3=M11C22\nM4=M11C21\nM5=M98 REST.MAC\nM6=M98 CHANGE.MAC\nM7=M11C24\nM8=M11C23\nM9=M98 DRY.MAC\n",
+    "REST.MAC": "M12C21\nM12C22\n",
+    "DRY.MAC": "M12C23\nM12C24\n",
     "CHANGE.MAC": "G53 Z0\nG4 [put it in]\nL101 T{t}\n",
 }
-"""A shop with WinCNC: the spindle both ways, mist and flood, a tool change by hand [Macro File Configuration]."""
+"""A shop with WinCNC: the spindle both ways, mist and flood, a tool change by hand [Macro File Configuration];
+outputs 1 to 20 are free for jobs."""
 CONTROLS = """
 [controls]
 absolute = true

@@ -181,3 +181,12 @@ def test_cells_of_an_array_count_from_their_own_zero(tmp_path: Path) -> None:
     lines = done.files[""].decode().splitlines()
     begin = lines.index("X20 Y0") - len(CELL)
     assert lines[begin : begin + 4 * len(CELL)] == [*CELL, "X20 Y0", *CELL, "X20 Y0", *CELL, "X-40 Y0"]
+
+
+def test_an_output_that_runs_the_spindle_there_is_refused(tmp_path: Path) -> None:
+    """CNC.MAC of that machine has M3=M11C2: output 2 is the spindle, whatever it is on the other machine."""
+    text = f"{MODES}M54 P1\nG0 X1\nM55 P1\nM30\n"
+    done = translated(tmp_path, text, given=TranslationMap(outputs={1: 2}, given=True))
+    assert done.verdict is Verdict.UNKNOWN and not done.files
+    assert [one.code.label for one in done.findings.kept] == ["GP703"] and "output 1" in done.findings.kept[0].message
+    assert translated(tmp_path, text, given=TranslationMap(outputs={1: 5}, given=True)).verdict is Verdict.SAFE
