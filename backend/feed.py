@@ -8,6 +8,7 @@ cuts one. So everything not yet sent can still be retimed.
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from gproof.backend.boards.board import Board, BoardError, Capabilities
 from gproof.backend.runs import Ints, steps_within, table
@@ -24,27 +25,36 @@ MOST_SPLIT = 10_000_000
 
 @record(frozen=True, slots=True, kw_only=True)
 class Words:
-    """The greatest numbers that a run may have on its way to a board: count, add (signs aside), interval."""
+    """The greatest numbers that a run may have on its way to a board: count, add (signs aside), interval; rest: the
+    interval of a run of one step, where that may be greater."""
 
     count: int = 2**31 - 1
     add: int = 2**61
     interval: int = 2**61
+    rest: int = 0
 
     @classmethod
     def of(cls, board: Capabilities) -> Words:
         """Those of a board."""
-        return cls(count=board.max_count, add=board.max_add, interval=board.max_interval)
+        return cls(count=board.max_count, add=board.max_add, interval=board.max_interval, rest=board.max_rest)
 
     def problem(self, runs: Columns) -> str | None:
         """Why runs cannot be sent, split as they may be; None when they can."""
         interval, count, add = (runs[name].astype(np.int64) for name in ("interval", "count", "add"))
         longest = np.maximum(interval, interval + add * (count - 1))
-        if len(longest) and int(longest.max()) > self.interval:
-            return f"an interval of {int(longest.max())} ticks, and the board can take {self.interval}"
-        parts = np.where(np.abs(np.where(count == 1, 0, add)) > self.add, count, count / self.count)
+        most = max(self.interval, self.rest)
+        if len(longest) and int(longest.max()) > most:
+            return f"an interval of {int(longest.max())} ticks, and the board can take {most}"
+        parts = np.where(self.single(interval, count, add), count, count / self.count)
         if float(parts.sum()) > MOST_SPLIT:
             return f"runs that the board has to cut into more than {MOST_SPLIT}"
         return None
+
+    def single(self, interval: Ints, count: Ints, add: Ints) -> npt.NDArray[np.bool_]:
+        """Which runs have to be sent step by step."""
+        longest = np.maximum(interval, interval + add * (count - 1))
+        found: npt.NDArray[np.bool_] = (np.abs(np.where(count == 1, 0, add)) > self.add) | (longest > self.interval)
+        return found
 
 
 class _Cursor:
@@ -56,7 +66,7 @@ class _Cursor:
         add = np.where(count == 1, 0, add)
         if (wrong := words.problem(runs)) is not None:
             raise BoardError(wrong)
-        most = np.where(np.abs(add) > words.add, 1, words.count)
+        most = np.where(words.single(interval, count, add), 1, words.count)
         if (count > most).any():
             parts = -(-count // most)
             most = np.repeat(most, parts)
@@ -65,7 +75,7 @@ class _Cursor:
             interval, add = np.repeat(interval, parts), np.repeat(add, parts)
             count = np.minimum(np.repeat(count, parts) - skipped, most)
             interval = interval + add * skipped
-            add = np.where(np.abs(add) > words.add, 0, add)
+            add = np.where(most == 1, 0, add)
             direction = np.repeat(direction, parts)
         self.interval: Ints = interval
         self.count: Ints = count

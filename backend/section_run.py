@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
-from gproof.backend.boards.board import Board, BoardError, BoardState, Capabilities, Status
+from gproof.backend.boards.board import Board, BoardError, BoardState, Capabilities, Known, Status
 from gproof.backend.control import Control
 from gproof.backend.feed import Feeder, Words
 from gproof.backend.operators import HoldRequest, Operator
@@ -111,7 +111,7 @@ class SectionRun:
         self.seen = status = self.board.status()
         now = status.tick - self.base
         if status.state is not BoardState.RUNNING:
-            self.end(status)
+            self.end(self.board.find() if status.state is BoardState.LOST else status)
             return False
         self.on_tick(now)
         if self.control.stop_asked or (self.estop_at is not None and now >= self.estop_at):
@@ -156,6 +156,7 @@ class SectionRun:
         if outcome is not Result.COMPLETED:
             stopped = status.tick if status.stopped_at is None else status.stopped_at
             self.ended.ticks = max(0, stopped - self.base)
+            self.ended.known &= status.known is Known.EXACT
             why = "; ".join(text for text in (status.reason, self.ended.reason) if text)
             self.ended.reason = f"section {self.ended.section.number}, tick {self.ended.ticks}: {why}"
 

@@ -28,8 +28,8 @@ class BoardState(enum.Enum):
     """IDLE: no section. RUNNING: in a section, also while it waits for its first tick.
 
     STOPPED: after an emergency stop. UNDERRUN: a step was due before it arrived. FAULT: the host broke the
-    protocol (FIFO overflow, malformed run). From the last three a board moves nothing until it is opened
-    again.
+    protocol (FIFO overflow, malformed run). LOST: nothing is heard of it. From the last four a board moves nothing
+    until it is opened again; what it had stored when it was lost it may still carry out.
     """
 
     CLOSED = "closed"
@@ -38,11 +38,24 @@ class BoardState(enum.Enum):
     STOPPED = "stopped"
     UNDERRUN = "underrun"
     FAULT = "fault"
+    LOST = "lost"
 
     @property
     def over(self) -> bool:
         """True when the board takes nothing any more."""
-        return self in (BoardState.STOPPED, BoardState.UNDERRUN, BoardState.FAULT, BoardState.CLOSED)
+        return self not in (BoardState.IDLE, BoardState.RUNNING)
+
+
+class Known(enum.Enum):
+    """How well a board's steps are known.
+
+    EXACT: as counted. BETWEEN: at least those stated, and at most others. UNKNOWN: the board was reset, or counts what
+    it was not sent.
+    """
+
+    EXACT = "exact"
+    BETWEEN = "between"
+    UNKNOWN = "unknown"
 
 
 class BoardError(Exception):
@@ -55,8 +68,10 @@ class Capabilities:
 
     motors: how many; tick_frequency: Hz; fifo_runs: runs it stores for all motors together;
     step_pulse, direction_setup: ticks; max_count: steps in one run; max_add, max_interval:
-    the greatest growth of its intervals, signs aside, and the longest interval, ticks; real_time: its clock follows
-    ours.
+    the greatest growth of its intervals, signs aside, and the longest interval, ticks; max_rest: the longest interval
+    of a run of one step (0: as of others); real_time: its clock follows ours; link_rate: bytes a second to it (0: no
+    limit is known); watched: it watches the host's promises; identity, firmware: what tells it from others, and the
+    version it runs.
     """
 
     name: str
@@ -68,7 +83,12 @@ class Capabilities:
     max_count: int = 2**31 - 1
     max_add: int = 2**61
     max_interval: int = 2**61
+    max_rest: int = 0
     real_time: bool = True
+    link_rate: int = 0
+    watched: bool = True
+    identity: str = ""
+    firmware: str = ""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -77,7 +97,9 @@ class Status:
 
     tick: the board's clock; state; free: runs the FIFO can take; accepted: runs acknowledged, by motor;
     steps: pulses given since it was opened, by motor; position: in steps, by motor; events: how many were
-    carried out; stopped_at: clock tick at which motion stopped for good; reason: why.
+    carried out; stopped_at: clock tick at which motion stopped for good; reason: why. known: how well steps and
+    position are known; most: steps by motor that it made at most, where they lie between. While a section runs, a
+    board that does not report its steps states those that it has certainly made.
     """
 
     tick: int
@@ -89,6 +111,8 @@ class Status:
     events: int = 0
     stopped_at: int | None = None
     reason: str = ""
+    known: Known = Known.EXACT
+    most: tuple[int, ...] = ()
 
 
 @record(frozen=True, slots=True)
@@ -128,6 +152,9 @@ class Board(Protocol):
     def close(self) -> None:
         """Let go of the board; it must be at rest or is stopped."""
 
+    def present(self, identity: bytes) -> None:
+        """Say which certified stream follows: 32 bytes. Firmware that asks for it moves nothing without."""
+
     def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
         """Start a section ``lead`` ticks from now and give the clock tick of its tick 0.
 
@@ -161,6 +188,12 @@ class Board(Protocol):
 
     def take_events(self) -> list[EventDone]:
         """Events carried out since the last call, in order."""
+
+    def find(self) -> Status:
+        """Try to reach a board that is LOST and to learn where its motors are; it stays over until it is opened.
+
+        Of any other, the status. The state after it was found is STOPPED; LOST when it was not.
+        """
 
     def observed(self) -> Observed:
         """Measurements since the board was opened; empty from a board that makes none."""

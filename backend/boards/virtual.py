@@ -152,6 +152,9 @@ class VirtualBoard:
         self._events.clear()
         self._horizon = self._end = None
 
+    def present(self, identity: bytes) -> None:
+        """See Board; this one does not ask."""
+
     def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
         """See Board; the first section after power-up tells the board where the motors are."""
         self._pass_time()
@@ -315,6 +318,10 @@ class VirtualBoard:
             stopped_at=self._stopped_at,
             reason=self._reason,
         )
+
+    def find(self) -> Status:
+        """See Board; this one is never lost."""
+        return self.status()
 
     def take_events(self) -> list[EventDone]:
         """See Board."""
