@@ -11,9 +11,11 @@ from support.bundles import unpacked
 
 from gproof.driver.dialects import load_machine
 from gproof.driver.running import begin, collect
+from gproof.driver.translation import Wanted, translate
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.setup import ZERO
+from gproof.ir.verdict import Verdict
 
 ROOT = Path(__file__).parents[1]
 
@@ -46,6 +48,20 @@ def test_programs_of_mcuwin_have_no_mistakes(tmp_path: Path, shape: str) -> None
     trace = collect(begin(program, ZERO, machine, findings))
     assert findings.kept == []
     assert sum(len(section.rows) for section in trace.sections) > 100
+
+
+@pytest.mark.parametrize("dialect", ["eding", "wincnc", "mcuwin"])
+def test_programs_that_are_translated_are_proven(
+    tmp_path: Path, dialect: str, monkeypatch: pytest.MonkeyPatch
+) -> None:  # fmt: skip
+    monkeypatch.syspath_prepend(ROOT / "bench")
+    module = bench("translation")
+    suffix, machine = module.SOURCES[dialect]
+    job = tmp_path / f"job{suffix}"
+    bench("programs").write_program("arcs", 40, job)
+    for to, machine_to in module.TARGETS.items():
+        done = translate(Wanted(job=job, to=to, machine=machine, machine_to=machine_to, dialect=dialect))
+        assert done.verdict is Verdict.SAFE, (to, done.findings.kept)
 
 
 @pytest.mark.parametrize("dialect", ["eding", "mcuwin"])
