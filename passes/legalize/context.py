@@ -16,6 +16,7 @@ from gproof.ir.job import (
     ChangeTool,
     CountLoop,
     DrillHole,
+    DwellFor,
     HomeAxes,
     Job,
     LoopWhile,
@@ -26,11 +27,14 @@ from gproof.ir.job import (
     OptionalPart,
     ParkAt,
     Quantity,
+    Remark,
     RepeatGrid,
     RunRoutine,
+    SetFeed,
     SetFrame,
     SetVariable,
     SwitchCoolant,
+    SwitchOutput,
     TurnSpindle,
     UseLength,
     quantities,
@@ -96,6 +100,11 @@ _KNOWN = (
 
 SELECTED, IN_SPINDLE = -1, -2
 """Numbers of no variables: under them the context keeps the tool that is selected, and that in the spindle."""
+
+
+_MOVING = (Moves, MoveTo, ArcTo, DrillHole)
+_STRAIGHT = (*_MOVING, Remark, SetFeed, DwellFor, SwitchOutput, SwitchCoolant, TurnSpindle)
+"""Operations of a subprogram that goes straight from its begin to its end: where it ends is known."""
 
 
 class TooLong(Exception):
@@ -261,7 +270,12 @@ class Context:
             if isinstance(node, ChangeTool):
                 self._after_change(node)
         elif isinstance(node, RunRoutine):
-            self.forget(self.job.routines[node.name].body)
+            body = self.job.routines[node.name].body
+            self.forget(body)
+            if node.count is None and all(isinstance(one, _STRAIGHT) for one in body[:-1]):
+                for one in body:
+                    if isinstance(one, _MOVING):
+                        self.after(one)
         elif isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid):
             self.forget((node,))
 

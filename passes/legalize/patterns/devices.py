@@ -22,9 +22,9 @@ def coolant_by_map(node: Node, feature: str, context: Context) -> list[Node] | N
             context.why = f'it has no {feature}; [coolant] {feature} = "{instead}" of the map makes it the other one'
         return None
     if feature == "mist":
-        flood = node.flood if other != "flood" or node.mist is None else node.mist or node.flood
+        flood = node.flood if other != "flood" or node.mist is None else bool(node.mist or node.flood)
         return [replace(node, mist=None, flood=flood)] if flood is not None else []
-    mist = node.mist if other != "mist" or node.flood is None else node.flood or node.mist
+    mist = node.mist if other != "mist" or node.flood is None else bool(node.flood or node.mist)
     return [replace(node, flood=None, mist=mist)] if mist is not None else []
 
 

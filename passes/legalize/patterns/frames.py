@@ -40,7 +40,8 @@ def zero(node: Node, feature: str, context: Context) -> list[Node] | None:
     for axis, value in by.items():
         base, before = places.get(axis, (0, 0.0)) if node.action == "zero_shift" else (0, 0.0)
         places[axis] = base, before + value
-    return put(Zero(0, places), context, node.span)
+    found = put(Zero(0, places), context, node.span)
+    return _shifted_here(node, by, context) if found is None and node.action == "zero_shift" else found
 
 
 def _shifted_here(node: SetFrame, by: dict[str, float], context: Context) -> list[Node] | None:
