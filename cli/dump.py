@@ -62,7 +62,7 @@ def _job(session: Session) -> bool:
     raising = DIALECTS[session.dialect].frontend.raise_program
     if raising is None:
         raise UsageError(f"--stage job: {session.dialect} has no neutral form")
-    job = raising(session.program, session.machine)
+    job = raising(session.program, session.machine, session.setup)
     _print(job)
     bodies = (job.body, *(routine.body for routine in job.routines.values()))
     return not any(isinstance(node, NotRaised) for body in bodies for node in walk(body))

@@ -192,7 +192,7 @@ def raised(session: Session) -> Job:
     raising = DIALECTS[session.dialect].frontend.raise_program
     if raising is None or session.program is None:
         raise UsageError(f"{session.job}: {session.dialect} has no neutral form")
-    return raising(session.program, session.machine)
+    return raising(session.program, session.machine, session.setup)
 
 
 def map_in(path: Path | None) -> TranslationMap:
@@ -273,6 +273,8 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
             done.findings.add(finding)
     if session.setup.active_work is None:
         done.assumed.append("both programs start in the first work offset (G54), and without a local offset (G92)")
+    if session.setup.positions:
+        done.assumed.append("stored positions are where the setup file has them")
     if session.setup.parameters:
         done.assumed.append("variables that the job reads and does not set have the values of the setup file")
     read, machine = Findings(), to.machine

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
     from gproof.ir.settings import Settings
+    from gproof.ir.setup import Setup
 
 Files = list[tuple[str, str]]
 """(name, sha256) of the files that were read, in order."""
@@ -94,7 +95,8 @@ class Frontend:
     with what they are, in words.
     markers, alike: how a program is distinguished from those of other dialects.
     open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
-    load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation;
+    load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation, with what
+    the setup states;
     plain_devices: leaves out what its machine's macros do at a tool change.
     alone: how one file is read to be printed again; definitions: name
     of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
@@ -129,5 +131,5 @@ class Frontend:
     completed: Callable[[Machine], Machine] = lambda machine: machine
     setup_table: str = ""
     setup_fields: Callable[[TomlTable], dict[str, Any]] = lambda root: {}
-    raise_program: Callable[[Program, Machine], Job] | None = None
+    raise_program: Callable[[Program, Machine, Setup], Job] | None = None
     plain_devices: Callable[[Program], Program] = lambda program: program

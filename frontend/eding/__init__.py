@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
     from gproof.ir.settings import Settings
+    from gproof.ir.setup import Setup
 
 
 def _load_program(job: Reading) -> Read:
@@ -63,7 +64,7 @@ def _settings_from(root: TomlTable, machine: Machine, unit: Fraction, keys: dict
     return settings_from(machine, keys)
 
 
-def _raise_program(program: Program, machine: Machine) -> Job:
+def _raise_program(program: Program, machine: Machine, setup: Setup | None = None) -> Job:
     from gproof.frontend.eding.raising import raise_program
 
     return raise_program(program, machine)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
     from gproof.ir.settings import Settings
+    from gproof.ir.setup import Setup
 
 
 def _load_program(job: Reading) -> Read:
@@ -69,7 +70,7 @@ def _machine_from(root: TomlTable, machine: Machine, unit: Fraction, foreign: tu
     return with_din(root, machine, unit, foreign)
 
 
-def _raise_program(program: Program, machine: Machine) -> Job:
+def _raise_program(program: Program, machine: Machine, setup: Setup | None = None) -> Job:
     from gproof.frontend.mcuwin.raising import raise_program
 
     return raise_program(program, machine)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
     from gproof.ir.settings import Settings
+    from gproof.ir.setup import Setup
 
 
 def _load_program(job: Reading) -> Read:
@@ -57,10 +58,10 @@ def _settings_from(root: TomlTable, machine: Machine, unit: Fraction, keys: dict
     return settings_from(root, machine, unit)
 
 
-def _raise_program(program: Program, machine: Machine) -> Job:
+def _raise_program(program: Program, machine: Machine, setup: Setup | None = None) -> Job:
     from gproof.frontend.wincnc.raising import raise_program
 
-    return raise_program(program, machine)
+    return raise_program(program, machine, {} if setup is None else setup.positions)
 
 
 def _plain_devices(program: Program) -> Program:

@@ -8,7 +8,7 @@ line is not raised.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from gproof.frontend.common.move_tables import moves_of, simple_lines
@@ -65,6 +65,7 @@ from gproof.ir.program import (
 )
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.setup import StoredPosition
 
 Handler = Callable[[LineRaiser, Command, CodeRule], list[Node]]
 
@@ -487,6 +488,8 @@ def _arguments(value: object) -> set[str]:
     return {name for one in dataclasses.fields(value) for name in _arguments(getattr(value, one.name))}
 
 
-def raise_program(program: Program, machine: Machine) -> Job:
-    """A Program of WinCNC as a Job."""
-    return WinCncRaiser(program, machine).job()
+def raise_program(program: Program, machine: Machine, stored: Mapping[str, StoredPosition] | None = None) -> Job:
+    """A Program of WinCNC as a Job. stored: where stored positions are."""
+    raiser = WinCncRaiser(program, machine)
+    raiser.stored = stored or {}
+    return raiser.job()

@@ -6,6 +6,7 @@ What a line that cannot be read so means, nobody knows: ``Unraisable``. Manual: 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import replace
 
 from gproof.frontend.common.move_tables import MoveLetters
@@ -20,6 +21,7 @@ from gproof.ir.program import Binary, Expr, Input, Named, Number, Program, Unary
 from gproof.ir.record import field, record
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.setup import StoredPosition
 
 AXIS_LETTERS = "XYZWUVABC"
 UNIT_OF_MM = {mm: unit for unit, mm in MM.items()}
@@ -95,6 +97,7 @@ class LineRaiser(Raiser):
         linear = {axis.index: axis.kind is AxisKind.LINEAR for axis in machine.axes}
         self.linear = tuple(linear.get(column, column < 3) for column in range(AXES))
         self.unit = UNIT_OF_MM[machine.unit]
+        self.stored: Mapping[str, StoredPosition] = {}
         self.feeds: FeedRules = feed_rules(machine, self.controls, self.unit)
         words = {axis.index: axis.word for axis in machine.axes}
         # A head that moves up and down in the column of a rotary axis is no such axis in a table.

@@ -55,6 +55,35 @@ def need_no_places(line: Command) -> None:
             raise Unraisable(f"{letter} as a stored position", "a place that only the controller knows")
 
 
+def stored_place(raiser: LineRaiser, line: Command) -> tuple[AxisPlace, ...]:
+    """Where a stored position is, of the axes that the line names, or all, in machine coordinates: a number next to an
+    axis is a distance from there; empty for a line without one (P, H; positions=)."""
+    names = [letter for letter in "PHT" if letter in line.words]
+    if not names:
+        return ()
+    name = f"{names[0]}{line.number(names[0]) or 0.0:g}"
+    stated = raiser.stored.get(name)
+    if stated is None or len(names) > 1:
+        what = f"no file says where it is: [positions.{name}] of the setup file"
+        raise Unraisable(f"{name} as a stored position", what)
+    if stated.lift:
+        raise Unraisable(f"{name} as a stored position", "how far heads are lifted on the way the manual leaves open")
+    words = line.axes()
+    if any(word.number is None for word in words.values()) or not {AXIS_NAMES[n] for n in words} <= stated.axes.keys():
+        raise Unraisable(f"{name} as a stored position", "an axis that was not stored, or a computed distance from it")
+    found = []
+    for column, axis in enumerate(AXIS_NAMES):
+        if axis in stated.axes and (not words or column in words):
+            unit = MM[raiser.now.unit] if raiser.linear[column] and raiser.now.unit in MM else 1.0
+            at = stated.axes[axis] / unit + (words[column].number or 0.0 if column in words else 0.0)
+            found.append(AxisPlace(axis, raiser.amount(column, Number(round(at, PLACES), line.span))))
+    return tuple(found)
+
+
+PLACES = 9
+"""Decimals of a stored place in another unit than the file has it in."""
+
+
 def need_cell(raiser: LineRaiser, columns: int) -> None:
     """An array needs G92 X Y in its cells before X or Y move (L10)."""
     if raiser.own_mode("cell", False) and columns & 3:
@@ -63,8 +92,11 @@ def need_cell(raiser: LineRaiser, columns: int) -> None:
 
 def straight(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Node]:
     """G0 and G1."""
-    need_no_places(line)
     is_rapid = rule.function is F.TRAVERSE
+    stored = stored_place(raiser, line) if is_rapid and not line.axes() else ()
+    if stored:
+        return _machine_move(raiser, stored, line)
+    need_no_places(line)
     if "L" in line.words:
         raise Unraisable(f"{rule.text} with L", "power of a laser")
     columns = line.mask
@@ -110,12 +142,12 @@ def _inverse(raiser: LineRaiser, line: Command, rule: CodeRule) -> Feed:
 
 def machine_rapid(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Node]:
     """G53: a rapid in machine coordinates; alone all vertical axes go to machine zero."""
-    need_no_places(line)
-    if line.axes() and raiser.is_relative(line):
+    stored = stored_place(raiser, line)
+    if line.axes() and not stored and raiser.is_relative(line):
         raise Unraisable("G53 with distances", "what they count from the manual does not say")
     if raiser.own_mode("turn", "") != "" and (line.mask & 3 or raiser.own_mode("turn") != "rotate"):
         raise Unraisable("G53 while G51 or G52 is on", "whether it is scaled and turned the manual does not say")
-    to = raiser.places(line)
+    to = stored or raiser.places(line)
     if not to:
         vertical = sorted(
             axis.index for axis in raiser.machine.axes
@@ -124,7 +156,11 @@ def machine_rapid(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Nod
         to = tuple(AxisPlace(AXIS_NAMES[n], raiser.amount(n, Number(0.0, line.span))) for n in vertical)
     if not to:
         return []
-    if line.mask & 3:
+    return _machine_move(raiser, to, line)
+
+
+def _machine_move(raiser: LineRaiser, to: tuple[AxisPlace, ...], line: Command) -> list[Node]:
+    if any(place.axis in "xy" for place in to):
         raiser.set_own("settled", False)
     raiser.forget_height()
     return [MoveTo(to=to, kind="rapid", frame="machine", span=line.span)]
