@@ -42,6 +42,12 @@ def _eding() -> Target:
     return TARGET
 
 
+def _eding_of(target: Target, machine: Machine, files: Sequence[Path], source: str) -> Target:
+    from gproof.ir.dialects.eding.target import adapted
+
+    return adapted(target, source)
+
+
 def _write_eding(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:
     from gproof.backend.emit.eding.from_job import write
 
@@ -122,7 +128,7 @@ def _write_wincnc(job: Job, target: Target, machine: Machine, style: Style) -> d
 
 
 TARGETS: dict[str, TargetEntry] = {
-    "eding": TargetEntry(_eding, _write_eding, machine_file="cnc.ini", diameters=True),
+    "eding": TargetEntry(_eding, _write_eding, adapted=_eding_of, machine_file="cnc.ini", diameters=True),
     "wincnc": TargetEntry(_wincnc, _write_wincnc, ("[", "]"), _wincnc_of, machine_file="WINCNC.INI"),
     "mcuwin": TargetEntry(_mcuwin, _write_mcuwin, ("' ", ""), _mcuwin_of, machine_file="McuWIN.ini"),
     "linuxcnc": TargetEntry(_linuxcnc, _write_linuxcnc, read=_read_linuxcnc),

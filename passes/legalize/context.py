@@ -121,7 +121,8 @@ class Context:
     offsets: places that the job stored, of offsets that the target does not have, selected: which is in force,
     shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force; why: a pattern that
     does not fit says what it lacks; length: mm of the tool that are in the zero of a target without tool lengths, None:
-    not known; measuring: each tool's length counts from its change on; kept_length: what
+    not known; length_known: whether it is at the start;
+    measuring: each tool's length counts from its change on; kept_length: what
     ``zero_keep`` kept of it; keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by
     axis the work offset that is the only zero of the target; as_is:
     frames and changes that are meant without a length, or have it already, with whether they move the place of Z."""
@@ -160,6 +161,8 @@ class Context:
         self.why = ""
         self.length: float | None = 0.0
         self.measuring = False
+        uses = any(isinstance(one, UseLength) and one.on for one in self.nodes())
+        self.length_known = uses or not options.measured_tools
         self.lengths_used: dict[int, float] = {}
         self.kept_length: float | None = None
         self.keeping = False
@@ -395,7 +398,8 @@ class Context:
             return False
         if isinstance(node, ChangeTool):
             return node.change and self.measuring and not self.is_as_is(node)
-        if self.length == 0.0 and not (
+        known = self.length_known or not (isinstance(node, SetFrame) and node.action == "zero_at")
+        if self.length == 0.0 and known and not (
             isinstance(node, SetFrame) and node.action == "zero_recall" and self.kept_length
         ):
             return False

@@ -26,6 +26,9 @@ def has(*features: str) -> Callable[[Target], bool]:
 
 NEEDS: dict[str, Callable[[Target], bool]] = {
     "arguments -> variables": has("variable"),
+    "wait for an input -> loop that looks": lambda target: (
+        "while" in target.legal and bool({"input_read", "input_value"} & target.legal.keys())
+    ),
     "input in a condition -> read before": has("input_read"),
     "counted loop -> loop with a condition": has("variable"),
     "zero at a machine place -> spare work offset": lambda target: target.spare_offset > 0,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gproof.ir.target import Style, Target
 
 # 3.2.2.3 and 3.2.2.4, under the names of ir/rules.py.
@@ -33,7 +35,7 @@ TARGET = Target(
         "tool_select": "3.1.2", "tool_change": "3.5.3", "tool_change_rests": "3.5.3",
         "tool_change_selected": "3.5.3",
         "spindle_speed": "3.5.2", "spindle": "3.5.2", "mist": "3.5.4",
-        "flood": "3.5.4", "output": "3.5.9", "wait": "3.5.9", "wait_timeout": "3.5.9", "dwell": "3.4.4",
+        "flood": "3.5.4", "output": "3.5.9", "wait_timeout": "3.5.9", "dwell": "3.4.4",
         "stop": "3.5.1", "optional_stop": "3.5.1", "overrides": "3.5.5", "message": "4.2", "feed_alone": "3.7",
         "straight": "3.4.2", "rapid": "3.4.1", "end": "3.5.1", "end_reset": "3.5.1", "end_rests": "3.5.1",
         "comment": "3.2.4",
@@ -46,3 +48,8 @@ TARGET = Target(
     peck_clearance=0.254,
     spare_offset=9,
 )  # fmt: skip
+
+
+def adapted(target: Target, source: str) -> Target:
+    """A wait of its own programs is the same here; how long M56 waits without Q the manual does not say (3.5.9)."""
+    return replace(target, legal=target.legal | {"wait": "3.5.9"}) if source == target.name else target

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
-from gproof.ir.job import Choice, Node, WaitFor
+from gproof.ir.job import Choice, DwellFor, LoopWhile, Node, Quantity, WaitFor
 from gproof.ir.job_features import parts_of_expression
 from gproof.ir.program import Binary, Expr, Input, Number, Unary, Variable
 from gproof.passes.legalize.context import Context
@@ -43,6 +43,30 @@ def _asked(condition: Expr, only: Expr, held: Expr) -> Expr:
     return _replaced(condition, only, held)
 
 
+def looks(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A wait without a limit, as a loop that looks at the input until it has the state."""
+    legal, span = context.target.legal, node.span
+    if not isinstance(node, WaitFor) or node.on is None or node.timeout is not None or "while" not in legal:
+        return None
+    if "input_read" in legal:
+        held = Variable(Number(float(READ_INTO), span), span)
+        waits = Binary("==" if node.on else "<>", held, Number(0.0, span), span)
+        read = replace(node, on=None)
+        return [read, LoopWhile(condition=waits, body=(read,), span=span)]
+    if "input_value" not in legal:
+        return None
+    state = Input("input", node.channel, span)
+    condition: Expr = Unary("not", state, span) if node.on else state
+    pause = DwellFor(time=Quantity(Number(BETWEEN_LOOKS, span), "s"), span=span)
+    # The first dwell lets the axes come to rest, which a condition does not.
+    rest = replace(pause, time=Quantity(Number(0.0, span), "s"))
+    return [rest, LoopWhile(condition=condition, body=(pause,), span=span)]
+
+
+BETWEEN_LOOKS = 0.01
+"""Seconds."""
+
+
 def _replaced(expr: Expr, old: Expr, new: Expr) -> Expr:
     """An expression with a part replaced."""
     if expr == old:
@@ -57,4 +81,5 @@ def _replaced(expr: Expr, old: Expr, new: Expr) -> Expr:
 
 PATTERNS = (
     Pattern(name="input in a condition -> read before", removes=("input_value",), apply=read_first),
+    Pattern(name="wait for an input -> loop that looks", removes=("wait",), apply=looks),
 )  # fmt: skip

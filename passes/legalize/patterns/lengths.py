@@ -60,7 +60,7 @@ def _shift(by: float, span: Span, context: Context, *, moves: bool) -> SetFrame:
 def zero_with_length(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A zero that is set while a length is in force has it too; a tool's own length counts from its change on, where
     the source has it so."""
-    if context.length is None:
+    if context.length is None or not context.length_known:
         context.why = "which tool length is in force is not known"
         return None
     if isinstance(node, ChangeTool):

@@ -21,7 +21,7 @@ CORPUS = Path(__file__).resolve().parents[3] / "corpus" / "wincnc"
 def raised(job: Path, machine: Path, setup: str | None = None) -> Job:
     session = open_session(job, machine=machine, setup=setup, dialect="wincnc")
     assert session.program is not None
-    return FRONTEND.raise_program(session.program, session.machine)
+    return FRONTEND.raise_program(session.program, session.machine, session.setup)
 
 
 SECTIONS = {section.heading: section for section in sections(PAGE.read_text("utf-8"))}
@@ -47,6 +47,32 @@ def test_operations_that_the_manual_has(name: str, tmp_path: Path) -> None:
     job.verify()
     expected = SECTIONS[name].files["job.txt"].decode().splitlines()
     assert job_lines(job) == expected
+
+
+PLACES = """\
+schema = "gproof-setup/1"
+units = "mm"
+[positions.P3]
+x = 50.8
+y = 25.0
+lift = false
+[positions.P4]
+x = 1.0
+lift = true
+"""
+
+
+def test_stored_positions_are_where_the_setup_has_them(tmp_path: Path) -> None:
+    """A place in machine coordinates; next to axes only theirs count, a number is a distance from it (P, H)."""
+    machine = folder_of("machine-coordinates", tmp_path)
+    (tmp_path / "places.toml").write_text(PLACES)
+    job = tmp_path / "job.tap"
+    job.write_text("G22\nG53 P3\nG20\nG53 P3 X\nG22\nG53 P3 Y-2\nG0 P3\nG53 P4\nG53 P5\nG53 P3 Z\n")
+    assert job_lines(raised(job, machine, str(tmp_path / "places.toml"))) == [
+        "machine rapid x=50.8mm y=25mm", "machine rapid x=2inch", "machine rapid y=23mm",
+        "machine rapid x=50.8mm y=25mm", "NotRaised P4 as a stored position", "NotRaised P5 as a stored position",
+        "NotRaised P3 as a stored position",
+    ]  # fmt: skip
 
 
 def corpus_jobs() -> list[tuple[Path, Path, str | None]]:

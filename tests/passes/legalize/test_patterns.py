@@ -20,6 +20,7 @@ from gproof.ir.job import (
     Compensate,
     CountLoop,
     DrillHole,
+    DwellFor,
     EndJob,
     Feed,
     Job,
@@ -37,8 +38,9 @@ from gproof.ir.job import (
     SwitchGuard,
     TurnSpindle,
     UseLength,
+    WaitFor,
 )
-from gproof.ir.program import Binary, Input, Text
+from gproof.ir.program import Binary, Input, Text, Unary
 from gproof.ir.target import Target
 from gproof.passes.legalize.context import Options
 from gproof.passes.legalize.legalize import legalize
@@ -127,6 +129,10 @@ CASES = {
     "subprogram -> what it does": Case("grbl", job(run(), a=[cut(x=1)]), "cut x1", other_target="eding"),
     "input in a condition -> read before": Case(
         "eding", job(INPUT), "read 3; if (#5399 == 1) {cut x1} else {}", other_target="mcuwin"
+    ),
+    "wait for an input -> loop that looks": Case(
+        "eding", job(WaitFor(channel=number(3), on=True, span=PLACE)), "read 3; while (#5399 == 0) {read 3}",
+        other_target="linuxcnc",
     ),
     "choice -> the way that is taken": Case("grbl", job(CHOICE), "cut x1", other_target="eding"),
     "block delete -> what its switch says": Case("eding", job(PART), "", options=Options(block_delete=True)),
@@ -304,6 +310,36 @@ def test_feed_moves_in_machine_coordinates_are_moves_with_the_zero_put_away() ->
     assert said(legal.job.body) == "cut z1; zero_keep; zero_at z0; cut z-20; zero_recall"
     refused = legalize(job(LENGTH, down), TARGETS["wincnc"].target(), Options())
     assert [one.why for one in refused.refused] == ["it has no such moves, and a tool length would be in Z"]
+
+
+def test_a_wait_of_mcuwin_looks_at_the_input_with_the_axes_at_rest() -> None:
+    wait = WaitFor(channel=number(104), on=True, span=PLACE)
+    legal = legalize(job(cut(x=1), wait), TARGETS["mcuwin"].target(), Options())
+    _, rest, loop = legal.job.body
+    assert isinstance(rest, DwellFor) and rest.time.number == 0.0
+    assert isinstance(loop, LoopWhile) and not loop.first
+    assert loop.condition == Unary("not", Input("input", number(104), PLACE), PLACE)
+
+
+def test_where_a_straight_subprogram_ends_is_known() -> None:
+    """LinuxCNC: after X2 the zero is moved by 5: the present place is X-3 then."""
+    nodes = (frame("local_here", x=0), run(), frame("zero_shift", x=5), cut(x=1))
+    legal = legalize(job(*nodes, a=[rapid(x=2)]), TARGETS["linuxcnc"].target(), Options())
+    assert said(legal.job.body) == "local_here x0; run a; local_here x-3; cut x1"
+
+
+def test_a_coolant_that_stands_for_another_goes_off_with_it() -> None:
+    off = SwitchCoolant(mist=False, span=PLACE)
+    legal = legalize(job(MIST, off), TARGETS["mcuwin"].target(), Options(coolant={"mist": "flood"}))
+    assert said(legal.job.body) == "mist None flood True; mist None flood False"
+
+
+def test_a_zero_while_a_measured_tool_may_be_in_force_is_refused() -> None:
+    """Its measure counts from the start on, whatever it is; with a length that the job sets, none is taken to be."""
+    lone = legalize(job(frame("zero_at", z=0)), TARGETS["mcuwin"].target(), Options(measured_tools=True))
+    assert [one.why for one in lone.refused] == ["which tool length is in force is not known"]
+    used = Options(measured_tools=True, lengths=LONG.lengths)
+    assert not legalize(job(frame("zero_at", z=0), LENGTH), TARGETS["mcuwin"].target(), used).refused
 
 
 def test_a_length_that_no_file_says_is_refused_and_why() -> None:
