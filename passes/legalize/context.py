@@ -398,10 +398,9 @@ class Context:
             return False
         if isinstance(node, ChangeTool):
             return node.change and self.measuring and not self.is_as_is(node)
-        known = self.length_known or not (isinstance(node, SetFrame) and node.action == "zero_at")
-        if self.length == 0.0 and known and not (
-            isinstance(node, SetFrame) and node.action == "zero_recall" and self.kept_length
-        ):
+        action = node.action if isinstance(node, SetFrame) else ""
+        known = self.length_known or action != "zero_at"
+        if self.length == 0.0 and known and not (action == "zero_recall" and self.kept_length):
             return False
         if isinstance(node, SetFrame):
             named = {"z", *(place.axis for place in node.places)} if node.action == "zero_recall" else set()
