@@ -9,6 +9,7 @@ from dataclasses import replace
 from gproof.driver.dialects import DIALECTS
 from gproof.driver.errors import UsageError
 from gproof.driver.session import Session
+from gproof.driver.targets import TARGETS
 from gproof.ir.dialects import rules_named
 from gproof.ir.job import Job, UseLength, walk
 from gproof.ir.machine import AXIS_NAMES, Machine, Tool
@@ -29,6 +30,11 @@ def measured(name: str, other: str, machine: Machine, numbers: Mapping[int, int]
         return ()
     lengths = {numbers.get(tool.number, tool.number): tool.length for tool in machine.tools if tool.length is not None}
     return tuple(SymbolMeaning(symbol=f"tool.{number}.z", mm=length) for number, length in sorted(lengths.items()))
+
+
+def own_guards(dialect: str) -> frozenset[str]:
+    """Names of the guards that programs of a controller switch."""
+    return TARGETS[dialect].target().guards if dialect in TARGETS else frozenset()
 
 
 def lengths_of(session: Session, machine: Machine, given: TranslationMap) -> dict[int, float]:

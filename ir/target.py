@@ -157,7 +157,8 @@ class Target:
     axes are straight lines, None: the manual does not say; offsets: numbers of work offsets; tools: highest number;
     peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine;
     spare_offset: the work offset that zeros in machine places use, 0 for none; cycle_returns: cycles can
-    end at the height before them; two_ways: a choice can have an other way, too; axis_channels: the number of an
+    end at the height before them; two_ways: a choice can have an other way, too; guards: names of those that it has;
+    axis_channels: the number of an
     output is that of an axis and two digits;
     length_numbers: programs give a tool's length as a number, because there is no tool table."""
 
@@ -177,6 +178,7 @@ class Target:
     cycle_returns: bool = True
     two_ways: bool = True
     axis_channels: bool = False
+    guards: frozenset[str] = frozenset()
     length_numbers: bool = False
 
     def verify(self) -> None:

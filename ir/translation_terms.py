@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from gproof.ir.program import NO_OUTPUTS, SpindleOutputs
 from gproof.ir.record import field, record
-from gproof.ir.trace import Affine
+from gproof.ir.trace import UNMEASURED, Affine
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -51,6 +51,7 @@ class TranslationTerms:
     tool_by_stop: a stop of the target that names a tool, by its number after it or in its text, is the tool change.
     filter_left_out: the source may let its controller join short moves within a tolerance, and choose how fast it
     passes small angles; the target goes to every place, which is within that tolerance; this is printed.
+    guards: names of those that both controllers have, None: all.
     tool_change_waits: a wait for the operator at a tool change is compared; else a machine that changes the tool by
     itself does the same as one that waits for somebody who does.
     """
@@ -74,6 +75,7 @@ class TranslationTerms:
     rapids_assumed: bool = False
     left_out: frozenset[str] = field(default_factory=frozenset)
     silent: frozenset[str] = field(default_factory=frozenset)
+    guards: frozenset[str] | None = None
     tool_change_waits: bool = True
     tool_by_stop: bool = False
     stops_on: bool = False
@@ -82,6 +84,11 @@ class TranslationTerms:
     axes: frozenset[str] = frozenset("xyzabc")
     coolant: tuple[tuple[str, str], ...] = ()
     scratch: frozenset[str] = field(default_factory=frozenset)
+
+    def shared_guards(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Those of guards that are off which both controllers have; measures of tools are none."""
+        own = (name for name in names if name != UNMEASURED)
+        return tuple(name for name in own if self.guards is None or name in self.guards)
 
 
 ROW_FACTS: dict[str, str] = {

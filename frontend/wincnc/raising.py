@@ -92,6 +92,8 @@ HANDLERS: dict[F, Handler] = {
     F.TOOL_OFFSET_ON: frames.lengths,
     F.TOOL_OFFSET_OFF: frames.lengths,
     F.HOME: frames.home,
+    F.LIMITS_ON: frames.limit_guards,
+    F.LIMITS_OFF: frames.limit_guards,
     F.SCALING_ON: frames.scaling,
     F.ROTATION_ON: frames.rotation,
     F.TRANSFORM_OFF: frames.transform_off,

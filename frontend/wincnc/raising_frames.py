@@ -12,7 +12,7 @@ from gproof.frontend.wincnc.raising_feeds import unknown
 from gproof.frontend.wincnc.raising_line import Command, LineRaiser
 from gproof.frontend.wincnc.raising_motion import OPEN
 from gproof.ir.finding import Span
-from gproof.ir.job import AxisPlace, HomeAxes, Node, Quantity, SetFrame, UseLength
+from gproof.ir.job import AxisPlace, HomeAxes, Node, Quantity, SetFrame, SwitchGuard, UseLength
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Expr, Number, Unary
 from gproof.ir.rules import CodeRule
@@ -157,6 +157,16 @@ def lengths(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Node]:
     raiser.forget_height()
     raiser.set_own("lengths", rule.function is F.TOOL_OFFSET_ON)
     return [UseLength(on=rule.function is F.TOOL_OFFSET_ON, span=line.span)]
+
+
+def limit_guards(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Node]:
+    """L20, L21: soft limits and boundaries on and off; X1 boundaries alone, X2 soft limits alone."""
+    on = rule.function is F.LIMITS_ON
+    which = line.number("X") if on else None
+    if which not in (None, 1.0, 2.0):
+        raise Unraisable(rule.text, "X is 1 or 2")
+    states = (("machine_area", on and which != 1.0), ("boundaries", on and which != 2.0))
+    return [SwitchGuard(name=name, on=state, span=line.span) for name, state in states]
 
 
 def home(raiser: LineRaiser, line: Command, rule: CodeRule) -> list[Node]:

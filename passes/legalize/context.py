@@ -98,6 +98,8 @@ _KNOWN = (
 """What a context knows at a place."""
 
 
+POSITIONS = 5001
+"""Number of the variable that holds the place of X in work coordinates (RS274); those of the other axes follow."""
 SELECTED, IN_SPINDLE = -1, -2
 """Numbers of no variables: under them the context keeps the tool that is selected, and that in the spindle."""
 
@@ -119,13 +121,13 @@ class Context:
     None: not known, suspended: the one that was suspended; remembered: what ``zero_keep`` kept, moved: axes that moved
     since; settled: a select after which the local offset is brought back; unit: of lengths, as the source has it;
     offsets: places that the job stored, of offsets that the target does not have, selected: which is in force,
-    shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force; why: a pattern that
-    does not fit says what it lacks; length: mm of the tool that are in the zero of a target without tool lengths, None:
-    not known; length_known: whether it is at the start;
-    measuring: each tool's length counts from its change on; kept_length: what
-    ``zero_keep`` kept of it; keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by
-    axis the work offset that is the only zero of the target; as_is:
-    frames and changes that are meant without a length, or have it already, with whether they move the place of Z."""
+    shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force; reads_places: what
+    variables hold of the place of an axis is its place; why: a pattern that does not fit says what it lacks; length: mm
+    of the tool that are in the zero of a target without tool lengths, None: not known; length_known: whether it is at
+    the start; measuring: each tool's length counts from its change on; kept_length: what ``zero_keep`` kept of it;
+    keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work offset that is
+    the only zero of the target; as_is: frames and changes that are meant without a length, or have it already, with
+    whether they move the place of Z."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -155,6 +157,10 @@ class Context:
         self.shift: dict[str, float] | None = {}
         self.placed: SetFrame | None = None
         self.unit = next((a.unit for node in self.nodes() for a in quantities(node) if a.unit in MM), "mm")
+        turned = any(isinstance(one, SetFrame) and one.action in {"rotate", "scale", "mirror"} for one in self.nodes())
+        units = {a.unit for node in self.nodes() for a in quantities(node) if a.unit in MM}
+        units |= {node.unit for node in self.nodes() if isinstance(node, Moves)}
+        self.reads_places = not turned and len(units) == 1
         self.lowered: list[Lowered] = []
         self.assumed: dict[str, None] = {}
         self.spent = 0
@@ -228,7 +234,16 @@ class Context:
 
     def value(self, expr: Expr) -> float | None:
         """A constant, None where it is none."""
-        return constant(expr, self.values)
+        found = constant(expr, self.values)
+        return constant(expr, self._positions() | self.values) if found is None and self.reads_places else found
+
+    def _positions(self) -> dict[int, float]:
+        """Variables that hold where the axes are in work coordinates, where that is known (RS274: 5001 for X ...)."""
+        scale = MM.get(self.unit, 1.0)
+        return {
+            POSITIONS + column: self.place[axis] / (scale if column < 3 else 1.0)
+            for column, axis in enumerate(AXIS_NAMES) if axis in self.place
+        }  # fmt: skip
 
     def mm(self, amount: Quantity) -> float | None:
         """A quantity in mm, degrees or its own unit."""

@@ -37,6 +37,7 @@ from gproof.ir.job import (
     Routine,
     RunRoutine,
     SetFrame,
+    SwitchGuard,
     UseLength,
     bodies,
     used_routines,
@@ -249,6 +250,8 @@ class _Legalizer:
             found.add(f"frame_{_kind(node)}")  # it is in the numbers, although the target has the operation
         if isinstance(node, DrillHole) and not self.target.cycle_returns and self._returns(node):
             found.add("cycle_return")
+        if isinstance(node, SwitchGuard) and node.name not in self.target.guards:
+            found.add("guard")
         if isinstance(node, Choice) and node.otherwise and not self.target.two_ways:
             found.add("choice_else")
         if isinstance(node, DrillHole) and node.clearance is not None:

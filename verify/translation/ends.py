@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from gproof.ir.end_state import EndState, Left
-from gproof.ir.trace import UNMEASURED, Affine
+from gproof.ir.trace import Affine
 from gproof.verify.translation.comparison import Comparison, Places, divergence
 from gproof.verify.translation.sides import BLURRED, Side, is_own
 from gproof.verify.translation.stretches import Stretch
@@ -25,7 +25,7 @@ def compare_ends(
     for sentence in (*one.assumed, *other.assumed):
         result.assume(sentence)
     if one.guards_off is not None and other.guards_off is not None and "guards" not in left_out:
-        mine, theirs = (tuple(name for name in end.guards_off or () if name != UNMEASURED) for end in (one, other))
+        mine, theirs = (sides[0].terms.shared_guards(end.guards_off or ()) for end in (one, other))
         if mine != theirs:
             result.differs(divergence("end state", places, names=("guards", ", ".join(mine), ", ".join(theirs))))
     theirs_by_name = dict(other.modes)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from gproof.ir.drives import AXES
 from gproof.ir.program import SpindleOutputs
-from gproof.ir.trace import OTHER_UNIT, UNMEASURED, Affine, State, Trace
+from gproof.ir.trace import OTHER_UNIT, Affine, State, Trace
 from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 
 Floats = npt.NDArray[np.float64]
@@ -180,7 +180,7 @@ class Side:
             "surface_speed": (_number(state.surface_speed), _number(state.spindle_limit)),
             "synchronised": state.synchronised,
             "following": state.following,
-            "guards": tuple(name for name in state.guards_off if name != UNMEASURED),
+            "guards": self.terms.shared_guards(state.guards_off),
             "dynamics": tuple(one for one in state.retimed if one != OTHER_UNIT),
             "backlash": state.backlash,
             "limits": self._limits(state),

@@ -47,6 +47,7 @@ TARGET = Target(
     straight_rapids=True,
     peck_clearance=0.254,
     spare_offset=9,
+    guards=frozenset(("tool_change_area", "machine_area")),
 )  # fmt: skip
 
 

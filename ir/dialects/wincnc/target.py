@@ -37,6 +37,7 @@ TARGET = Target(
     straight_rapids=None,
     peck_clearance=1.27,
     cycle_returns=False,
+    guards=frozenset(("machine_area", "boundaries")),
     two_ways=False,
 )  # fmt: skip
 """The clearance of chip breaking is always .05 inch, that of pecking is what g81set= R says, else the same."""

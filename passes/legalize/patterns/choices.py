@@ -34,7 +34,7 @@ def stop_switched(node: Node, feature: str, context: Context) -> list[Node] | No
         return None
     on = context.options.optional_stop
     if on is None:
-        context.why = "it has no stop that a switch turns off, and the setup file does not say where that stands"
+        context.why = "it has no stop that a switch turns off, and the setup file does not state optional_stop"
         return None
     context.assume(f"the switch for optional stops is {'on' if on else 'off'}")
     return [replace(node, optional=False)] if on else []

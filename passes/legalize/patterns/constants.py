@@ -38,7 +38,8 @@ def _folded(value: Any, context: Context) -> Any:
 def fold(node: Node, feature: str, context: Context) -> list[Node] | None:
     """An operation whose expressions all have known values."""
     if isinstance(node, SetVariable):
-        return None
+        value = context.value(node.value) if feature == "system_variable" else None
+        return None if value is None else [replace(node, value=Number(value, node.span))]
     try:
         found = {f.name: _folded(getattr(node, f.name), context) for f in fields(node)}
     except _Unknown:

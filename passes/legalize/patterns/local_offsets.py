@@ -111,6 +111,8 @@ def stored_as_zero(node: Node, feature: str, context: Context) -> list[Node] | N
     if node.action == "store_here" and number == context.selected:
         context.offsets.pop(round(number), None)
         return [SetFrame(action="local_here", places=node.places, span=node.span)]
+    if node.action == "store_here":
+        return _stored_here(node, round(number), context)
     if node.action != "select" or node.axes:
         return None
     if number == context.selected:
@@ -120,6 +122,23 @@ def stored_as_zero(node: Node, feature: str, context: Context) -> list[Node] | N
         return None
     context.selected = round(number)
     return _placed(SetFrame(action="zero_at", places=_at(at, node, context), span=node.span), context)
+
+
+def _stored_here(node: SetFrame, number: int, context: Context) -> list[Node] | None:
+    """The place where the axes are gets these names in another work offset than the one in force, which the job has
+    stored: it is known from machine zero."""
+    if any(isinstance(one, SetFrame) and one.action.startswith(("local", "zero")) for one in context.nodes()):
+        return None
+    zero = context.offsets.get(context.selected, {})
+    found = {}
+    for place in node.places:
+        named, here = context.mm(place.at), context.place.get(place.axis)
+        if named is None or here is None or place.axis not in zero or place.relative:
+            return None
+        found[place.axis] = zero[place.axis] + here - named
+    context.offsets.setdefault(number, {}).update(found)
+    context.assume("work offsets that the job stores are for this job alone")
+    return []
 
 
 def _at(places: dict[str, float], node: SetFrame, context: Context) -> tuple[AxisPlace, ...]:
@@ -167,7 +186,8 @@ PATTERNS = (
         apply=select_with_local, unrolls=True,
     ),
     Pattern(
-        name="stored work offset -> zero at its place", removes=("frame_beyond", "frame_store", "frame_select"),
+        name="stored work offset -> zero at its place",
+        removes=("frame_beyond", "frame_store_here", "frame_store", "frame_select"),
         apply=stored_as_zero,
     ),
     Pattern(name="work offset -> the only one", removes=("frame_select_axes", "frame_select"), apply=only_offset),

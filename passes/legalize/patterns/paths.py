@@ -34,7 +34,7 @@ def without_filter(node: Node, feature: str, context: Context) -> list[Node] | N
 
 def no_guard(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A guard that the target does not have."""
-    if not isinstance(node, SwitchGuard):
+    if not isinstance(node, SwitchGuard) or node.name in context.target.guards:
         return None
     context.assume(f"{context.target.title} has no guard that the program switches: {node.name.replace('_', ' ')}")
     return []

@@ -210,7 +210,7 @@ CASES = {
     "path mode -> a setting of the controller": Case("grbl", job(ROUNDED), "", other_target="linuxcnc"),
     "filter of a path mode -> every place": Case("linuxcnc", job(CORNERS), "continuous", other_target="eding"),
     "guard -> none": Case(
-        "linuxcnc", job(SwitchGuard(name="tca_guard", on=False, span=PLACE)), "", other_target="eding"
+        "linuxcnc", job(SwitchGuard(name="tool_change_area", on=False, span=PLACE)), "", other_target="eding"
     ),
     "continuous path -> exact path": Case(
         without("linuxcnc", "path_tolerance"), job(ROUNDED), "exact_path", other=job(replace(ROUNDED, tolerance=None))
@@ -340,6 +340,30 @@ def test_a_zero_while_a_measured_tool_may_be_in_force_is_refused() -> None:
     assert [one.why for one in lone.refused] == ["which tool length is in force is not known"]
     used = Options(measured_tools=True, lengths=LONG.lengths)
     assert not legalize(job(frame("zero_at", z=0), LENGTH), TARGETS["mcuwin"].target(), used).refused
+
+
+def test_a_guard_that_only_one_controller_has_is_left_out_and_others_are_kept() -> None:
+    """Eding CNC guards the machine's area (4.2), and has no boundaries."""
+    off = [SwitchGuard(name=name, on=False, span=PLACE) for name in ("machine_area", "boundaries")]
+    legal = legalize(job(*off), TARGETS["eding"].target(), Options())
+    assert [node.name for node in legal.job.body if isinstance(node, SwitchGuard)] == ["machine_area"]
+    assert "Eding CNC has no guard that the program switches: boundaries" in legal.assumed
+    assert legalize(job(*off), TARGETS["wincnc"].target(), Options()).refused
+
+
+def test_a_variable_that_holds_a_place_is_that_place_where_it_is_known() -> None:
+    """#5001 is X in work coordinates (RS274)."""
+    keep = SetVariable(target=variable(7), value=variable(5001), span=PLACE)
+    legal = legalize(job(rapid(x=3), keep, cut(x=variable(7))), TARGETS["mcuwin"].target(), Options())
+    assert said(legal.job.body) == "rapid x3; #7 = 3; cut x#7"
+    assert legalize(job(keep), TARGETS["mcuwin"].target(), Options()).refused
+
+
+def test_an_offset_that_is_set_from_another_one_that_the_job_has_stored() -> None:
+    """X12 of offset 2, which is at 30, becomes X2 of offset 1: that is at 40."""
+    nodes = (frame("store", 2, x=30), frame("select", 2), rapid(x=12), frame("store_here", 1, x=2), frame("select", 1))
+    legal = legalize(job(*nodes, cut(x=5)), TARGETS["wincnc"].target(), Options())
+    assert said(legal.job.body) == "zero_at x30; rapid x12; zero_at x40; cut x5"
 
 
 def test_a_length_that_no_file_says_is_refused_and_why() -> None:
