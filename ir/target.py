@@ -124,6 +124,17 @@ FEATURES: dict[str, str] = {
 }
 """Every feature of a Job, in words; those that others are rewritten into come after them, so that rewriting ends."""
 
+NOWHERE: dict[str, str] = {
+    "arc_turns": "an arc is at most one turn",
+    "frame_local_add": "a local offset is set, never added to",
+    "frame_local_at": "a local offset is the name of the present place",
+    "compensation_open": "which path the source takes its manual does not say (McuWIN 2.7)",
+    "compensation_plane": "which path a controller takes next to a contour in XZ or YZ is its own",
+    "compensation_diameter": "the tool table has the diameter",
+    "not_raised": "it has no neutral form",
+}
+"""Why constructs are refused for every target, in the same words."""
+
 RANK = {name: len(FEATURES) - place for place, name in enumerate(FEATURES)}
 """Patterns may only produce features of a lower rank than the one that they remove."""
 
@@ -158,6 +169,7 @@ class Target:
     peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine;
     spare_offset: the work offset that zeros in machine places use, 0 for none; cycle_returns: cycles can
     end at the height before them; two_ways: a choice can have an other way, too; guards: names of those that it has;
+    lacks: feature -> why a construct that nothing rewrites is refused, with the section;
     axis_channels: the number of an
     output is that of an axis and two digits;
     length_numbers: programs give a tool's length as a number, because there is no tool table."""
@@ -179,6 +191,7 @@ class Target:
     two_ways: bool = True
     axis_channels: bool = False
     guards: frozenset[str] = frozenset()
+    lacks: dict[str, str] = field(default_factory=dict, repr=False)
     length_numbers: bool = False
 
     def verify(self) -> None:
@@ -186,3 +199,10 @@ class Target:
         for feature, source in self.legal.items():
             if feature not in FEATURES or not source:
                 raise ValueError(f"{self.name}: {feature!r} is no feature, or has no source")
+        for feature, why in self.lacks.items():
+            if feature not in FEATURES or not why:
+                raise ValueError(f"{self.name}: {feature!r} is no feature, or has no reason")
+
+    def why_not(self, feature: str) -> str:
+        """Why it does not have a feature, in words."""
+        return self.lacks.get(feature) or NOWHERE.get(feature) or f"{self.title} does not have it"

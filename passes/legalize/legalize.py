@@ -338,7 +338,7 @@ class _Legalizer:
         if isinstance(node, NotRaised):
             self._refuse(NotLegal(node.construct, node.why, node.span), for_good=True)
         else:
-            why = self.context.why or f"{self.target.title} does not have it"
+            why = self.context.why or self.target.why_not(feature)
             self._refuse(NotLegal(FEATURES[feature], why, node.span, tuple(tried)), for_good=not tried)
         return None
 

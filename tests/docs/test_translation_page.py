@@ -35,7 +35,7 @@ def test_cells_say_what_a_target_has() -> None:
     eding, grbl = (TARGETS[name].target() for name in ("eding", "grbl"))
     assert cell("cycle_drill", eding).startswith("kept") and cell("frame_select", eding).startswith("kept")
     assert cell("unit_cm", eding).startswith("→") and cell("cycle_drill", grbl).startswith("→")
-    assert cell("question", grbl) == "refused"
+    assert cell("question", grbl) == "refused: no code asks the operator (Supported G-Codes)"
 
 
 def test_the_page_has_every_key_of_a_map() -> None:

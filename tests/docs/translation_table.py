@@ -85,7 +85,7 @@ def cell(feature: str, target: Target) -> str:
     if feature == "jump":
         return f"→ {JUMPS}"
     numbers = [str(n) for n, pattern in enumerate(PATTERNS, 1) if fits(pattern, feature, target)]
-    return f"→ {', '.join(numbers)}" if numbers else "refused"
+    return f"→ {', '.join(numbers)}" if numbers else f"refused: {target.why_not(feature)}"
 
 
 def table() -> str:

@@ -12,6 +12,15 @@ OPERATORS = (
     "not", "+", "-", "*", "/", "**", "mod", "and", "or", "xor", ">", ">=", "<", "<=", "==", "<>", "<<", ">>",
 )  # fmt: skip
 
+LACKS = {
+    "question": "DlgMsg needs numbers (4.2), and there is no question with yes and no",
+    "home": "reference runs belong to macro.cnc (sub home_x) and its buttons",
+    "frame_beyond": "work offsets are G54 to G59.3 (3.4.15)",
+    "frame_zero_register": "nothing keeps a work zero apart (3.4.15, 3.4.23)",
+    "output_moving": "M54 and M55 let the axes come to rest (3.5.9)",
+}
+"""Why constructs that nothing rewrites are refused."""
+
 TARGET = Target(
     name="eding",
     title="Eding CNC",
@@ -40,6 +49,7 @@ TARGET = Target(
         "straight": "3.4.2", "rapid": "3.4.1", "end": "3.5.1", "end_reset": "3.5.1", "end_rests": "3.5.1",
         "comment": "3.2.4",
     },
+    lacks=LACKS,
     style=Style(extension=".cnc"),
     variables=(1, 3999),
     operators=frozenset(OPERATORS),

@@ -12,6 +12,27 @@ from gproof.ir.target import Style, Target
 
 _LIST = "Supported G-Codes"
 
+LACKS = {
+    "question": "no code asks the operator (Supported G-Codes)",
+    "choice": "its programs have no conditions (Interface)",
+    "cycle_tap_right": "no code follows the turns of the spindle (Supported G-Codes)",
+    "cycle_tap_left": "no code follows the turns of the spindle (Supported G-Codes)",
+    "per_revolution": "G95 is not in its list of codes (Supported G-Codes)",
+    "home": "$H is a command of its own, no code of a program (Interface)",
+    "frame_beyond": "work offsets are G54 to G59 (Supported G-Codes)",
+    "frame_local_restore": "G92.3 is not in its list of codes (Supported G-Codes)",
+    "frame_local_suspend": "G92.2 is not in its list of codes (Supported G-Codes)",
+    "frame_zero_register": "nothing keeps a work zero apart (Supported G-Codes)",
+    "path_exact_stop": "how corners are taken is setting $11 (Settings)",
+    "compensation": "G41 and G42 are not in its list of codes (Supported G-Codes)",
+    "output_moving": "M62 to M65 are not in its list of codes (Supported G-Codes)",
+    "output": "M62 to M65 are not in its list of codes (Supported G-Codes)",
+    "input_read": "M66 is not in its list of codes (Supported G-Codes)",
+    "wait_timeout": "M66 is not in its list of codes (Supported G-Codes)",
+    "wait": "M66 is not in its list of codes (Supported G-Codes)",
+}
+"""Why constructs that nothing rewrites are refused."""
+
 TARGET = Target(
     name="grbl",
     title="grbl 1.1",
@@ -26,6 +47,7 @@ TARGET = Target(
         "end_rests": _LIST, "tool_change_running": "a stop (M0) where the map says so: the spindle stays as it is",
         "comment": "Interface, Comments",
     },
+    lacks=LACKS,
     style=Style(extension=".nc", decimals_mm=4, line_length=70),
     axes=("x", "y", "z"),
     path_modes=False,

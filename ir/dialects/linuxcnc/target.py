@@ -11,6 +11,19 @@ from __future__ import annotations
 
 from gproof.ir.target import Style, Target
 
+LACKS = {
+    "question": "its messages wait for nothing (Overview, Messages)",
+    "cycle_tap_right": "G33.1 follows an encoder of the spindle, G84 of other controllers need not (G-Codes G33.1)",
+    "cycle_tap_left": "G33.1 follows an encoder of the spindle, G74 of other controllers need not (G-Codes G33.1)",
+    "home": "no code homes an axis (G-Codes)",
+    "frame_beyond": "work offsets are G54 to G59.3 (G-Codes G54-G59.3)",
+    "frame_zero_register": "nothing keeps a work zero apart (G-Codes G92)",
+    "compensation": "its entry moves are its own (G-Codes G41 G42)",
+    "input_read": "what M66 reads is known in the run alone, and the text is read back without one (M-Codes M66)",
+    "system_variable": "what a variable of the controller holds is known in the run alone (Overview, Parameters)",
+}
+"""Why constructs that nothing rewrites are refused."""
+
 TARGET = Target(
     name="linuxcnc",
     title="LinuxCNC",
@@ -39,6 +52,7 @@ TARGET = Target(
         "end": "M-Codes M2 M30", "end_reset": "M-Codes M2 M30", "end_rests": "M-Codes M2 M30",
         "comment": "Overview, Comments",
     },
+    lacks=LACKS,
     style=Style(extension=".ngc", line_length=255),
     variables=(31, 5000),
     path_modes=True,

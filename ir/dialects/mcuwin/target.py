@@ -14,6 +14,22 @@ from gproof.ir.dialects.mcuwin.settings import mcuwin_settings
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.target import Style, Target
 
+LACKS = {
+    "question": "no command asks the operator (5.7)",
+    "cycle_tap_right": "no cycle and no move follows the turns of the spindle (3)",
+    "cycle_tap_left": "no cycle and no move follows the turns of the spindle (3)",
+    "probe": "no move ends at a switch (3)",
+    "per_revolution": "F is a feed in a unit of time (3.28, 5.3)",
+    "park": "it has no parking places (3)",
+    "home": "what G74 runs to the machine file has to state (3.23, 4)",
+    "frame_store_here": "the table of zero offsets belongs to mcfg (3.19)",
+    "path_exact_stop": "how corners are taken is a setting (3, 14)",
+    "compensation": "which path G41 and G42 take is open (2.7)",
+    "input_read": "an input is a condition, no number (7)",
+    "wait_timeout": "a program has no clock (10)",
+}
+"""Why constructs that nothing rewrites are refused."""
+
 TARGET = Target(
     name="mcuwin",
     title="McuWIN",
@@ -31,6 +47,7 @@ TARGET = Target(
         "message": "5.7.2", "feed_alone": "5.3", "straight": "3.2", "rapid": "3.1", "end": "4.3", "end_reset": "4.13",
         "comment": "6",
     },
+    lacks=LACKS,
     style=Style(extension=".src"),
     variables=(600, 699),
     path_modes=False,

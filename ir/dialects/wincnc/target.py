@@ -10,6 +10,19 @@ from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.machine import Machine
 from gproof.ir.target import Style, Target
 
+LACKS = {
+    "cycle_tap_right": "no cycle and no move follows the turns of the spindle (G Codes)",
+    "cycle_tap_left": "no cycle and no move follows the turns of the spindle (G Codes)",
+    "probe": "only a limit switch ends a move, with M28 (G31, M28)",
+    "per_revolution": "F is a feed a minute, or inverse time (F; G93)",
+    "park": "stored positions are numbers of this controller (P, H)",
+    "path_exact_stop": "how corners are taken is a setting (G9)",
+    "compensation": "O of G41 is a difference of diameters, and the entry is open (G41, G42)",
+    "input_read": "an input decides about the next line alone (M17.1)",
+    "wait_timeout": "M17 waits without a limit (M17, M18)",
+}
+"""Why constructs that nothing rewrites are refused."""
+
 TARGET = Target(
     name="wincnc",
     title="WinCNC",
@@ -33,6 +46,7 @@ TARGET = Target(
         "feed_alone": "Parameters in [Brackets]: F", "straight": "G Codes: G1", "rapid": "G Codes: G0",
         "end": "M Codes: M99", "end_reset": "M Codes: M99", "comment": "Parameters in [Brackets]: Comment",
     },
+    lacks=LACKS,
     style=Style(extension=".tap", line_length=256),
     straight_rapids=None,
     peck_clearance=1.27,
