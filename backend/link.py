@@ -1,0 +1,118 @@
+"""Whether a section can be sent in time: bytes of the link and places of the board at every instant, before it moves.
+
+Messages go out one after the other, in the order in which they are due. Each waits until the one before it is on the
+wire, until the board has a place for it, and until it is within what the host sends ahead. When it has arrived follows
+from this by a running maximum, exactly, so that no window of the section is left out; what is not known exactly (how
+long messages are, when the host takes its turns, where it cuts runs) counts with its worst.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gproof.backend.runs import Ints, ends, spans
+from gproof.ir.record import record
+from gproof.ir.stream import StreamSection
+
+_LONG_AGO = -(2**62)
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Link:
+    """Between host and board. rate: bytes a second, 0: no limit is known; run_bytes, event_bytes: of one message at
+    most; places: runs and events that the board stores. In ticks: latency: from the end of sending until it is stored;
+    ahead: what the host sends ahead at most; turn: at most between two looks of the host for what can be sent."""
+
+    tick_frequency: int
+    rate: float
+    run_bytes: int
+    event_bytes: int
+    places: int
+    latency: int
+    ahead: int
+    turn: int
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Shortage:
+    """The first message that comes too late. due, late: ticks; begin: where the crowded time begins; messages, bytes:
+    in it; places: the board has no free place, else the link is too slow."""
+
+    due: int
+    late: int
+    begin: int
+    messages: int
+    bytes: int
+    places: bool
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class LinkPlan:
+    """lead: ticks before tick 0 at which sending has to begin; slack: ticks by which the message that is closest to
+    being late comes early, with that lead; shortage: None where all come in time; where not, the slack is below 0."""
+
+    lead: int
+    slack: int
+    shortage: Shortage | None
+
+
+def link_plan(section: StreamSection, link: Link) -> LinkPlan:
+    """How a section goes over a link. Runs are those that the board's words hold."""
+    due, finish, size = _messages(section, link)
+    if not len(due):
+        return LinkPlan(lead=link.latency + link.turn, slack=link.ahead, shortage=None)
+    motors = len(section.runs)
+    on_wire = _ticks_on_wire(size, link, motors)
+    passed = np.cumsum(on_wire)
+    before = passed - on_wire
+    # What has ended by the time that a message is due was due before it: it counts all that it may count, where nothing
+    # is late. Each turn of the host may cut a run of every motor: one place more each.
+    places = max(1, link.places - motors)
+    free = np.full(len(due), _LONG_AGO, dtype=np.int64)
+    if len(due) > places:
+        free[places:] = np.sort(finish)[: len(due) - places] + link.latency
+    may_begin = np.maximum(free, due - link.ahead) + link.turn
+    # Whatever happens later, all that is on the wire by then has to be there: no lesser lead can do.
+    lead = min(link.ahead, max(0, int((passed - due).max())) + link.latency + link.turn)
+    # Sending begins at -lead with what is within reach then, and waits for no turn.
+    starts = np.where((free == _LONG_AGO) & (due - link.ahead <= -lead), -lead, may_begin)
+    arrived = passed + np.maximum.accumulate(starts - before) + link.latency
+    early = due - arrived
+    worst = int(early.min())
+    if worst >= 0:
+        return LinkPlan(lead=lead, slack=worst, shortage=None)
+    late = int(np.argmax(early < 0))
+    begin = int(np.argmax((starts - before)[: late + 1]))
+    shortage = Shortage(
+        due=int(due[late]), late=-int(early[late]), begin=int(starts[begin]), messages=late - begin + 1,
+        bytes=int(size[begin : late + 1].sum()), places=bool(free[begin] + link.turn >= may_begin[begin]),
+    )  # fmt: skip
+    return LinkPlan(lead=lead, slack=worst, shortage=shortage)
+
+
+def _messages(section: StreamSection, link: Link) -> tuple[Ints, Ints, Ints]:
+    """(tick when it is due, tick when its place is free again, bytes) of all messages, in the order in which they are
+    due."""
+    due, finish, size = [section.events["tick"].astype(np.int64)], [section.events["tick"].astype(np.int64)], []
+    size.append(np.full(len(section.events), link.event_bytes, dtype=np.int64))
+    for runs in section.runs:
+        end = ends(runs)
+        due.append(end - spans(runs) + runs["interval"])
+        finish.append(end)
+        turned = np.r_[True, np.diff(runs["direction"]) != 0] if len(runs) else np.zeros(0, dtype=bool)
+        size.append(np.where(turned, 2, 1) * np.int64(link.run_bytes))
+    all_due, all_finish, all_size = np.concatenate(due), np.concatenate(finish), np.concatenate(size)
+    order = np.argsort(all_due, kind="stable")
+    return all_due[order], all_finish[order], all_size[order]
+
+
+def _ticks_on_wire(size: Ints, link: Link, motors: int) -> Ints:
+    """How long each message takes; what the cuts of the host's turns cost is spread over all of them."""
+    if not link.rate:
+        return np.zeros(len(size), dtype=np.int64)
+    cuts = motors * link.run_bytes * link.tick_frequency / link.turn if link.turn else 0.0
+    rate = link.rate - cuts
+    if rate <= 0:
+        return np.full(len(size), 2**31, dtype=np.int64)
+    found: Ints = np.ceil(size * (link.tick_frequency / rate)).astype(np.int64)
+    return found

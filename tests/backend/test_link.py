@@ -1,0 +1,101 @@
+"""Whether a section can be sent in time: worked by hand, and against a host that is simulated message by message."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from support.campaigns import examples
+
+from gproof.backend.link import Link, link_plan
+from gproof.backend.runs import table
+from gproof.ir.columns import Columns
+from gproof.ir.stream import EVENT, StreamSection
+
+KHZ = 1000
+"""Ticks a second of these tests: a tick is a millisecond."""
+
+
+def section(*motors: list[tuple[int, int]]) -> StreamSection:
+    """Runs of each motor as (interval, count)."""
+    runs = []
+    for motor in motors:
+        interval, count = (np.array(column, dtype=np.int64) for column in zip(*motor, strict=True))
+        runs.append(table(interval, count, 0 * count, np.ones(len(count), dtype=np.int8)))
+    duration = max(sum(interval * count for interval, count in motor) for motor in motors)
+    return StreamSection(number=0, start=(0,) * len(motors), runs=tuple(runs), events=Columns(EVENT), duration=duration)
+
+
+def link(**other: float) -> Link:
+    """A wire of 1000 bytes a second, 10 bytes a run: 10 ticks each; a host that looks all the time."""
+    usual = {"tick_frequency": KHZ, "rate": 1000.0, "run_bytes": 10, "event_bytes": 10, "places": 100, "latency": 0,
+             "ahead": 1000, "turn": 0}  # fmt: skip
+    return Link(**usual | other)  # type: ignore[arg-type]
+
+
+def test_a_wire_that_is_fast_enough() -> None:
+    """A run each 20 ticks takes 10 on the wire (20 the first, which sets the direction): the first one is due at tick
+    20, so that sending has to begin at tick 0."""
+    plan = link_plan(section([(20, 1)] * 50), link())
+    assert (plan.lead, plan.slack, plan.shortage) == (0, 0, None)
+
+
+def test_a_lead_that_makes_up_for_a_slow_wire() -> None:
+    """A run each 8 ticks takes 10: of 100 the last one is due at 800 and 1010 ticks of the wire after the first."""
+    plan = link_plan(section([(8, 1)] * 100), link())
+    assert (plan.lead, plan.slack, plan.shortage) == (210, 0, None)
+
+
+def test_a_wire_that_is_too_slow() -> None:
+    """Of 2000 such runs none is sent more than 1000 before it is due: the first, due at 8, at -992. Run k (from 0)
+    comes at 10 k + 20 - 992 and is due at 8 k + 8: of those with 2 k > 980, run 491 is the first, 2 ticks late."""
+    plan = link_plan(section([(8, 1)] * 2000), link())
+    assert plan.lead == 1000 and plan.shortage is not None and not plan.shortage.places
+    found = plan.shortage
+    assert (found.due, found.late, found.begin, found.messages, found.bytes) == (8 * 492, 2, -992, 492, 10 * 493)
+
+
+def test_a_board_without_places() -> None:
+    """Four places less one for cuts: the fourth run may go when the first has ended, at 100; it is due at 104."""
+    runs = [(100, 1), (1, 1), (1, 1), (2, 1), (100, 1)]
+    plan = link_plan(section(runs), link(places=4))
+    assert plan.shortage is not None and plan.shortage.places
+    assert (plan.shortage.due, plan.shortage.late, plan.shortage.begin) == (104, 6, 100)
+
+
+def simulated(part: StreamSection, link: Link, lead: int) -> int:
+    """The least ticks by which a message comes early, where a host sends one message after the other, as soon as the
+    wire is free, the message is near enough and the board has a place."""
+    todo = []
+    for runs in part.runs:
+        at, before = 0, 0
+        for interval, count, direction in zip(
+            runs["interval"].tolist(), runs["count"].tolist(), runs["direction"].tolist(), strict=True
+        ):
+            todo.append((at + interval, at + interval * count, 2 if direction != before else 1))
+            at, before = at + interval * count, direction
+    todo.sort(key=lambda one: one[0])
+    clock, least, stored = -lead, 10**9, []
+    for due, finish, messages in todo:
+        stored.sort()
+        if len(stored) >= link.places - len(part.runs):
+            clock = max(clock, stored[len(stored) - (link.places - len(part.runs))] + link.latency)
+        clock = max(clock, due - link.ahead if due - link.ahead > -lead else -lead)
+        clock += -(-messages * link.run_bytes * link.tick_frequency // int(link.rate))
+        least = min(least, due - clock - link.latency)
+        stored.append(finish)
+    return least
+
+
+RUNS = st.lists(st.tuples(st.integers(1, 60), st.integers(1, 4)), min_size=1, max_size=40)
+
+
+@examples(60, 5000)
+@given(motors=st.lists(RUNS, min_size=1, max_size=3), places=st.integers(4, 20), ahead=st.integers(50, 400),
+       latency=st.integers(0, 5))  # fmt: skip
+def test_a_simulated_host(motors: list[list[tuple[int, int]]], places: int, ahead: int, latency: int) -> None:
+    """A plan without a shortage is one that the host keeps, with its slack; one with a shortage is late."""
+    part, this = section(*motors), link(places=places, ahead=ahead, latency=latency)
+    plan = link_plan(part, this)
+    early = simulated(part, this, plan.lead)
+    assert early == plan.slack if plan.shortage is None else early < 0 and plan.slack < 0
