@@ -88,6 +88,10 @@ class _Cursor:
         self.sent = 0
         self.sent_until = 0
 
+    def all(self) -> Columns:
+        """The runs as they are sent."""
+        return self._table(0, len(self.due))
+
     def first_due(self) -> int:
         return int(self.due[self.next]) if self.next < len(self.due) else _NEVER
 
@@ -137,6 +141,11 @@ class _Cursor:
             self.add[begin:stop].copy(),
             self.direction[begin:stop].copy(),
         )
+
+
+def as_sent(runs: Columns, words: Words) -> Columns:
+    """Runs as a board with these words gets them; BoardError for what it cannot hold."""
+    return _Cursor(runs, words).all()
 
 
 ANY = Words()

@@ -8,9 +8,12 @@ long messages are, when the host takes its turns, where it cuts runs) counts wit
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from gproof.backend.runs import Ints, ends, spans
+from gproof.ir.columns import Columns
 from gproof.ir.record import record
 from gproof.ir.stream import StreamSection
 
@@ -19,13 +22,14 @@ _LONG_AGO = -(2**62)
 
 @record(frozen=True, slots=True, kw_only=True)
 class Link:
-    """Between host and board. rate: bytes a second, 0: no limit is known; run_bytes, event_bytes: of one message at
-    most; places: runs and events that the board stores. In ticks: latency: from the end of sending until it is stored;
-    ahead: what the host sends ahead at most; turn: at most between two looks of the host for what can be sent."""
+    """Between host and board. rate: bytes a second, 0: no limit is known; sizes: (motor, runs) -> bytes of each at
+    most; event_bytes: of one event at most; places: runs and events that the board stores. In ticks: latency: from the
+    end of sending until it is stored; ahead: what the host sends ahead at most; turn: at most between two looks of the
+    host for what can be sent."""
 
     tick_frequency: int
     rate: float
-    run_bytes: int
+    sizes: Callable[[int, Columns], Ints]
     event_bytes: int
     places: int
     latency: int
@@ -62,7 +66,7 @@ def link_plan(section: StreamSection, link: Link) -> LinkPlan:
     if not len(due):
         return LinkPlan(lead=link.latency + link.turn, slack=link.ahead, shortage=None)
     motors = len(section.runs)
-    on_wire = _ticks_on_wire(size, link, motors)
+    on_wire = _ticks_on_wire(size, link, motors * int(size.max()))
     passed = np.cumsum(on_wire)
     before = passed - on_wire
     # What has ended by the time that a message is due was due before it: it counts all that it may count, where nothing
@@ -90,28 +94,37 @@ def link_plan(section: StreamSection, link: Link) -> LinkPlan:
     return LinkPlan(lead=lead, slack=worst, shortage=shortage)
 
 
+def shortage_text(found: Shortage, tick_frequency: int, number: int, links: str) -> str:
+    """In words; number: of the section; links: how fast the link is."""
+    seconds = found.due / tick_frequency
+    crowd = f"{found.messages} messages of {found.bytes} bytes are due from {found.begin / tick_frequency:.3f} s on"
+    why = "the board has no place for them in time" if found.places else links
+    return (
+        f"section {number}, {seconds:.3f} s after its start (tick {found.due}): a step would come"
+        f" {found.late / tick_frequency * 1000:.1f} ms too late; {crowd}, and {why}"
+    )
+
+
 def _messages(section: StreamSection, link: Link) -> tuple[Ints, Ints, Ints]:
     """(tick when it is due, tick when its place is free again, bytes) of all messages, in the order in which they are
     due."""
     due, finish, size = [section.events["tick"].astype(np.int64)], [section.events["tick"].astype(np.int64)], []
     size.append(np.full(len(section.events), link.event_bytes, dtype=np.int64))
-    for runs in section.runs:
+    for motor, runs in enumerate(section.runs):
         end = ends(runs)
         due.append(end - spans(runs) + runs["interval"])
         finish.append(end)
-        turned = np.r_[True, np.diff(runs["direction"]) != 0] if len(runs) else np.zeros(0, dtype=bool)
-        size.append(np.where(turned, 2, 1) * np.int64(link.run_bytes))
+        size.append(link.sizes(motor, runs).astype(np.int64))
     all_due, all_finish, all_size = np.concatenate(due), np.concatenate(finish), np.concatenate(size)
     order = np.argsort(all_due, kind="stable")
     return all_due[order], all_finish[order], all_size[order]
 
 
-def _ticks_on_wire(size: Ints, link: Link, motors: int) -> Ints:
-    """How long each message takes; what the cuts of the host's turns cost is spread over all of them."""
+def _ticks_on_wire(size: Ints, link: Link, cuts: int) -> Ints:
+    """How long each message takes; cuts: bytes that those of the host cost in a turn, which are spread over all."""
     if not link.rate:
         return np.zeros(len(size), dtype=np.int64)
-    cuts = motors * link.run_bytes * link.tick_frequency / link.turn if link.turn else 0.0
-    rate = link.rate - cuts
+    rate = link.rate - (cuts * link.tick_frequency / link.turn if link.turn else 0.0)
     if rate <= 0:
         return np.full(len(size), 2**31, dtype=np.int64)
     found: Ints = np.ceil(size * (link.tick_frequency / rate)).astype(np.int64)

@@ -27,10 +27,11 @@ from gproof.backend.boards.board import (
     ticks_up,
 )
 from gproof.backend.control import Control
-from gproof.backend.feed import Words
+from gproof.backend.feed import Words, as_sent
 from gproof.backend.interrupts import interrupts
 from gproof.backend.job import CertifiedJob, RunRefused, checked_job
 from gproof.backend.journal import Notes
+from gproof.backend.link import Link, LinkPlan, link_plan, shortage_text
 from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
 from gproof.backend.record_data import (
     TRUSTED,
@@ -43,7 +44,7 @@ from gproof.backend.record_data import (
 )
 from gproof.backend.retime import GREATEST_FACTOR, LEAST_FACTOR
 from gproof.backend.retimer import Retimer
-from gproof.backend.section_run import Pace, SectionRun
+from gproof.backend.section_run import SLICE, Pace, SectionRun
 from gproof.backend.trail import Trail
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
@@ -68,6 +69,9 @@ LEAST_AHEAD, LEAST_SIMULATED = 0.05, 0.25
 """Seconds that are sent ahead at least, to a board in real time and to one in simulated time, however short a machine
 file says that the controller's own buffer is: no host feeds a board more often, and with a millisecond a job of hours
 takes minutes to simulate."""
+
+LATENCY = 0.01
+"""Seconds from the end of sending until a board on a link has stored what came, and until the host hears of it."""
 
 PREPARING = 0.2
 """Seconds for calculating a feed hold while a board runs, in addition to twice what a rehearsal took."""
@@ -199,7 +203,7 @@ class _Walk:
     def run(self) -> ExecutionRecord:
         """Open the board, walk, close it."""
         is_ = self.board.open()
-        refusals = list(_unfit(self.job, is_))
+        refusals = list(_unfit(self.job, is_)) or list(self._starved(is_))
         if refusals:
             self.board.close()
             raise RunRefused(refusals)
@@ -275,7 +279,7 @@ class _Walk:
     def _section(self, number: int, is_: Capabilities) -> int:
         """Run a section and what follows it; the next one's number, -1 at the end."""
         planned = self.job.stream.sections[number]
-        ready = self._prepared(planned)
+        ready = self._prepared(planned, is_)
         if isinstance(ready, str):
             self.result, self.reason = Result.REFUSED, f"section {number}: {ready}"
             return -1
@@ -321,7 +325,7 @@ class _Walk:
         self._show(0)
         return self._follow(number)
 
-    def _prepared(self, planned: StreamSection) -> tuple[StreamSection, list[Retiming]] | str:
+    def _prepared(self, planned: StreamSection, is_: Capabilities) -> tuple[StreamSection, list[Retiming]] | str:
         """The section with the override and the holds that fall into it, or why it cannot be had."""
         section, retimings = planned, []
         if self.factor != 1 and self._overridable(planned.number):
@@ -337,6 +341,8 @@ class _Walk:
                 return f"with a feed hold at tick {hold.at - self.done_ticks} it does not pass the stream checker"
             section = made.section
             retimings.append(made.retiming)
+        if retimings and is_.link_rate and (found := self._link_plan(is_, section).shortage) is not None:
+            return "retimed, " + shortage_text(found, is_.tick_frequency, planned.number, "the link is too slow")
         return section, retimings
 
     def _overridable(self, number: int) -> bool:
@@ -361,12 +367,33 @@ class _Walk:
         if is_.real_time:
             self.retimer.hold(section, section.duration // 2, ticks)
         seconds = PREPARING + 2 * (time.monotonic() - began)
+        lead = int(LEAD * ticks)
+        if is_.link_rate:
+            lead = max(lead, self._link_plan(is_, section).lead)
+        return Pace(lookahead=self._lookahead(is_), lead=lead, preparing=int(seconds * ticks))
+
+    def _lookahead(self, is_: Capabilities) -> int:
+        """Ticks that are sent ahead."""
         ahead = max(self.job.machine.controller.fifo_time, LEAST_AHEAD if is_.real_time else LEAST_SIMULATED)
-        return Pace(
-            lookahead=max(1, int(ahead * ticks)),
-            lead=int(LEAD * ticks),
-            preparing=int(seconds * ticks),
-        )
+        return max(1, int(ahead * is_.tick_frequency))
+
+    def _link_plan(self, is_: Capabilities, section: StreamSection) -> LinkPlan:
+        """How a section goes over the link of a board."""
+        ticks, words = is_.tick_frequency, Words.of(is_)
+        link = Link(
+            tick_frequency=ticks, rate=is_.link_rate, sizes=self.board.wire_bytes, event_bytes=is_.event_bytes,
+            places=is_.fifo_runs, latency=int(LATENCY * ticks), ahead=self._lookahead(is_), turn=int(SLICE * ticks),
+        )  # fmt: skip
+        return link_plan(replace(section, runs=tuple(as_sent(runs, words) for runs in section.runs)), link)
+
+    def _starved(self, is_: Capabilities) -> Iterator[Finding]:
+        """Sections that the link of a board is too slow for, or that it has too few places for."""
+        for section in self.job.stream.sections if is_.link_rate else ():
+            found = self._link_plan(is_, section).shortage
+            if found is not None:
+                carries = f"the link carries {is_.link_rate} bytes a second"
+                what = shortage_text(found, is_.tick_frequency, section.number, carries)
+                yield codes.LINK_STARVED.at(Span(self.job.name, 0), what=f"board {is_.name}: {what}")
 
     def _note(self, before: Status, run: SectionRun, planned: list[Retiming]) -> None:
         """Write down how a section went, from the board's first and last answers."""

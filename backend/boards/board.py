@@ -12,6 +12,7 @@ import math
 from fractions import Fraction
 from typing import Protocol
 
+from gproof.backend.runs import Ints
 from gproof.ir.columns import Columns
 from gproof.ir.record import record
 
@@ -70,8 +71,8 @@ class Capabilities:
     step_pulse, direction_setup: ticks; max_count: steps in one run; max_add, max_interval:
     the greatest growth of its intervals, signs aside, and the longest interval, ticks; max_rest: the longest interval
     of a run of one step (0: as of others); real_time: its clock follows ours; link_rate: bytes a second to it (0: no
-    limit is known); watched: it watches the host's promises; identity, firmware: what tells it from others, and the
-    version it runs.
+    limit is known); event_bytes: of an event on it, at most; watched: it watches the host's promises; identity,
+    firmware: what tells it from others, and the version it runs.
     """
 
     name: str
@@ -86,6 +87,7 @@ class Capabilities:
     max_rest: int = 0
     real_time: bool = True
     link_rate: int = 0
+    event_bytes: int = 0
     watched: bool = True
     identity: str = ""
     firmware: str = ""
@@ -166,6 +168,9 @@ class Board(Protocol):
 
     def queue_runs(self, motor: int, runs: Columns) -> None:
         """Store many runs, in order."""
+
+    def wire_bytes(self, motor: int, runs: Columns) -> Ints:
+        """Bytes that each run takes on the link at most, with what goes before it; 0 where there is no link."""
 
     def queue_event(self, tick: int, row: int, op: int, arg: tuple[int, int]) -> None:
         """Store an event; ``tick`` counts from the section's start."""

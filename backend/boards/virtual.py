@@ -24,7 +24,7 @@ from gproof.backend.boards.board import (
     Status,
     ticks_up,
 )
-from gproof.backend.runs import spans, table
+from gproof.backend.runs import Ints, spans, table
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Machine
 from gproof.ir.record import record
@@ -180,6 +180,10 @@ class VirtualBoard:
         """See Board."""
         one = np.array([[interval], [count], [add]], dtype=np.int64)
         self.queue_runs(motor, table(one[0], one[1], one[2], np.array([direction], dtype=np.int8)))
+
+    def wire_bytes(self, motor: int, runs: Columns) -> Ints:
+        """See Board; there is no link."""
+        return np.zeros(len(runs), dtype=np.int64)
 
     def queue_runs(self, motor: int, runs: Columns) -> None:
         """See Board. A run that comes too late ends the motion: an underrun."""

@@ -98,6 +98,10 @@ JOURNAL_LOST = code(
     838, "journal-lost", _W, "journal or record not written as planned: {what}", "run",
     "free disk space, and keep the record that was written",
 )  # fmt: skip
+LINK_STARVED = code(
+    840, "link-starved", _E, "the board would run out of steps: {what}", "run",
+    "use a faster line, program a lower feed there, or send further ahead (fifo_time of the machine)",
+)  # fmt: skip
 CERTIFICATE_VERSION = code(
     850, "certificate-version", _U, "made by another version: {what}", "certificate",
     "compile the job again with this version",

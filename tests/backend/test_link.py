@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
+from backend.boards.klipper.fake_peer import DICTIONARY as SENT
+from backend.jobs import job
+from backend.streams import FREQUENCY
 from hypothesis import given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
+from gproof.backend.boards.board import BoardState, Capabilities
+from gproof.backend.boards.klipper.dictionary import parsed
+from gproof.backend.boards.klipper.wire_size import run_bytes
+from gproof.backend.boards.virtual import VirtualBoard
 from gproof.backend.link import Link, link_plan
-from gproof.backend.runs import table
+from gproof.backend.record import Result
+from gproof.backend.runs import Ints, table
+from gproof.backend.runtime import RunRefused, walk
 from gproof.ir.columns import Columns
 from gproof.ir.stream import EVENT, StreamSection
 
+DICTIONARY = parsed(SENT)
 KHZ = 1000
 """Ticks a second of these tests: a tick is a millisecond."""
 
@@ -26,9 +39,14 @@ def section(*motors: list[tuple[int, int]]) -> StreamSection:
     return StreamSection(number=0, start=(0,) * len(motors), runs=tuple(runs), events=Columns(EVENT), duration=duration)
 
 
+def sizes(motor: int, runs: Columns) -> Ints:
+    """10 bytes a run, and 10 to set a direction."""
+    return np.where(np.r_[True, np.diff(runs["direction"]) != 0], 20, 10)
+
+
 def link(**other: float) -> Link:
-    """A wire of 1000 bytes a second, 10 bytes a run: 10 ticks each; a host that looks all the time."""
-    usual = {"tick_frequency": KHZ, "rate": 1000.0, "run_bytes": 10, "event_bytes": 10, "places": 100, "latency": 0,
+    """A wire of 1000 bytes a second, 10 ticks a run; a host that looks all the time."""
+    usual = {"tick_frequency": KHZ, "rate": 1000.0, "sizes": sizes, "event_bytes": 10, "places": 100, "latency": 0,
              "ahead": 1000, "turn": 0}  # fmt: skip
     return Link(**usual | other)  # type: ignore[arg-type]
 
@@ -81,7 +99,7 @@ def simulated(part: StreamSection, link: Link, lead: int) -> int:
         if len(stored) >= link.places - len(part.runs):
             clock = max(clock, stored[len(stored) - (link.places - len(part.runs))] + link.latency)
         clock = max(clock, due - link.ahead if due - link.ahead > -lead else -lead)
-        clock += -(-messages * link.run_bytes * link.tick_frequency // int(link.rate))
+        clock += -(-messages * 10 * link.tick_frequency // int(link.rate))
         least = min(least, due - clock - link.latency)
         stored.append(finish)
     return least
@@ -99,3 +117,58 @@ def test_a_simulated_host(motors: list[list[tuple[int, int]]], places: int, ahea
     plan = link_plan(part, this)
     early = simulated(part, this, plan.lead)
     assert early == plan.slack if plan.shortage is None else early < 0 and plan.slack < 0
+
+
+class Wired(VirtualBoard):
+    """The virtual board behind a line that carries so many bytes a second, 10 a run."""
+
+    def __init__(self, rate: int, **more: int) -> None:
+        super().__init__(2, tick_frequency=FREQUENCY, step_pulse=2, direction_setup=5, **more)
+        self.rate = rate
+
+    def open(self) -> Capabilities:
+        return replace(super().open(), link_rate=self.rate, event_bytes=10)
+
+    def wire_bytes(self, motor: int, runs: Columns) -> Ints:
+        return np.full(len(runs), 10, dtype=np.int64)
+
+
+WAY = job([(10.0, 0.0), (10.0, 7.0)], [(0.0, 0.0)])
+
+
+def test_a_job_that_the_line_cannot_carry_is_refused_before_it_moves() -> None:
+    """With a fast line it runs; what a slow one lacks is named with section, time and figure."""
+    assert walk(WAY, Wired(1_000_000, fifo_runs=50_000)).result is Result.COMPLETED
+    board = Wired(700, fifo_runs=50_000)
+    with pytest.raises(RunRefused) as refused:
+        walk(WAY, board)
+    (first, *_) = refused.value.findings
+    assert first.code.label == "GP840"
+    assert "section 0" in first.message and "the link carries 700 bytes a second" in first.message
+    assert board.status().state is BoardState.CLOSED and not any(board.status().steps)
+
+
+def test_a_board_with_too_few_places_is_refused_before_it_moves() -> None:
+    with pytest.raises(RunRefused) as refused:
+        walk(WAY, Wired(1_000_000, fifo_runs=3))
+    assert "the board has no place for them in time" in refused.value.findings[0].message
+
+
+@given(st.lists(st.tuples(st.integers(1, 2**40), st.integers(1, 65535), st.integers(-(2**15), 2**15 - 1),
+                          st.sampled_from((1, -1))), min_size=1, max_size=30))  # fmt: skip
+def test_runs_are_no_longer_on_the_line_than_was_said(rows: list[tuple[int, int, int, int]]) -> None:
+    """Klipper's messages one after the other, in blocks that are full but for the longest message."""
+    interval_, count_, add_, direction_ = (np.array(column, dtype=np.int64) for column in zip(*rows, strict=True))
+    runs = table(interval_, count_, add_, direction_.astype(np.int8))
+    said = run_bytes(3, runs, DICTIONARY.commands)
+    before = 0
+    for (interval, count, add, direction), most in zip(rows, said.tolist(), strict=True):
+        messages = [("queue_step", {"oid": 3, "interval": min(interval, 1 << 16), "count": count, "add": add})]
+        if interval < 1 << 30:
+            messages[0][1]["interval"] = interval
+        else:
+            messages.append(("reset_step_clock", {"oid": 3, "clock": 2**31 - 1}))
+        if direction != before:
+            messages.append(("set_next_step_dir", {"oid": 3, "dir": 1}))
+        before = direction
+        assert sum(len(DICTIONARY.commands[name].encoded(fields)) for name, fields in messages) < most

@@ -29,8 +29,9 @@ from gproof.backend.boards.klipper.ledger import MotorLedger
 from gproof.backend.boards.klipper.lines import Line, LineLost
 from gproof.backend.boards.klipper.outbox import Outbox
 from gproof.backend.boards.klipper.session import Session
+from gproof.backend.boards.klipper.wire_size import run_bytes
 from gproof.backend.boards.klipper.wiring import Wiring
-from gproof.backend.runs import table
+from gproof.backend.runs import Ints, table
 from gproof.ir.columns import Columns
 
 KLIPPER = "klipper"
@@ -44,6 +45,9 @@ LONGEST, LONGEST_REST = (1 << 31) - 1, 1 << 61
 
 START = 0.1
 """Seconds before tick 0 of a section for the line, beside the lead that the runtime asks for."""
+
+MOST_EVENT = 24
+"""Bytes of the change of one output at most, with its part of a block."""
 
 RESERVE = 8
 """Places of the board that are left for outputs."""
@@ -121,6 +125,7 @@ class KlipperBoard:
             max_rest=LONGEST_REST,
             real_time=True,
             link_rate=self._baud // 10,
+            event_bytes=MOST_EVENT * max(1, len(self._wiring.outputs)),
             watched=live.certified,
             identity=str(dictionary.constants.get("MCU", "")),
             firmware=dictionary.version,
@@ -234,6 +239,10 @@ class KlipperBoard:
             ):
                 raise BoardError(f"motor {motor}: a run ({interval}, {count}, {add}, {direction}) that no word holds")
             self._outbox.add_run(motor, interval, count, add, direction)
+
+    def wire_bytes(self, motor: int, runs: Columns) -> Ints:
+        """See Board."""
+        return run_bytes(motor, runs, self._session().link.dictionary.commands)
 
     def queue_event(self, tick: int, row: int, op: int, arg: tuple[int, int]) -> None:
         """See Board; one that switches no wired output is acknowledged at its tick and does nothing."""
