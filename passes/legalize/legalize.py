@@ -47,6 +47,7 @@ from gproof.ir.job_features import expressions, features, parts_of_expression, r
 from gproof.ir.program import Binary, Number, Unary
 from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
+from gproof.passes.legalize.at_rest import at_rest
 from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
 from gproof.passes.legalize.kept import count_kept
 from gproof.passes.legalize.pattern import Pattern
@@ -96,6 +97,8 @@ def legalize(job: Job, target: Target, options: Options) -> Legal:
     same in each run, these are opened: what they do stands one after the other."""
     if "jump" not in target.legal:
         job = structured(job)
+    if "output_moving" not in target.legal:
+        job = at_rest(job)
     opened = Opened()
     legalizer = _Legalizer(job, target, options, opened)
     found = legalizer.run()

@@ -39,7 +39,7 @@ from gproof.ir.job import (
     quantities,
 )
 from gproof.ir.machine import AXIS_NAMES
-from gproof.ir.program import Expr, Number
+from gproof.ir.program import Binary, Expr, Number
 
 PLANES = {"xy": 17, "xz": 18, "yz": 19}
 UNITS = {"mm": 21, "inch": 20}
@@ -57,6 +57,9 @@ ORDER = "GXYZABCIJKRPQLEFSTHDM"
 # Steps of a line, in the order in which it is executed (NIST IR 6556, 3.8; Eding manual, table 3-7).
 FEED_MODE, FEED, SPEED, TOOL, CHANGE, SPINDLE, COOLANT, OVERRIDES, OUTPUT, DWELL = range(10)
 PLANE, UNIT, SIDE, LENGTH, OFFSET, PATH, DISTANCE, RETRACT, ONCE, MOTION, STOP = range(10, 21)
+
+FACTOR_DECIMALS = 9
+"""Of the number by which an expression in another unit is divided."""
 
 
 class Rs274Writer(JobWriter):
@@ -110,7 +113,9 @@ class Rs274Writer(JobWriter):
             return value
         if isinstance(value, Number):
             return Number(value.value * by, value.span)
-        raise Unprintable("an expression in two units")
+        # A divisor has fewer digits than what is less than 1: 25.4, 1000.
+        operator, number = ("*", by) if by > 1.0 else ("/", round(1.0 / by, FACTOR_DECIMALS))
+        return Binary(operator, value, Number(number, value.span), value.span)
 
     def amount(self, amount: Quantity) -> str:
         """A quantity in the unit of the text."""

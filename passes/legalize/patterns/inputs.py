@@ -16,21 +16,23 @@ READ_INTO = 5399
 
 
 def read_first(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """A choice by the state of one input: it is read, then the variable decides."""
-    if not isinstance(node, Choice) or "input_read" not in context.target.legal:
+    """A choice or a loop by the state of one input: it is read, then the variable decides; in a loop each time."""
+    if not isinstance(node, Choice | LoopWhile) or "input_read" not in context.target.legal:
         return None
     inputs = {part for part in parts_of_expression(node.condition) if isinstance(part, Input)}
     if len(inputs) != 1:
         return None
     only = next(iter(inputs))
+    if isinstance(node, LoopWhile) and node.first:
+        return None
     if only.kind != "input":
         return None
     held = Variable(Number(float(READ_INTO), node.span), node.span)
     condition = _asked(node.condition, only, held)
-    return [
-        WaitFor(channel=only.number, on=None, span=node.span),
-        replace(node, condition=condition),
-    ]
+    read = WaitFor(channel=only.number, on=None, span=node.span)
+    if isinstance(node, LoopWhile):
+        return [read, replace(node, condition=condition, body=(*node.body, read), first=False)]
+    return [read, replace(node, condition=condition)]
 
 
 def _asked(condition: Expr, only: Expr, held: Expr) -> Expr:

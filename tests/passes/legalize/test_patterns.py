@@ -36,6 +36,7 @@ from gproof.ir.job import (
     ShowText,
     SwitchCoolant,
     SwitchGuard,
+    SwitchOutput,
     TurnSpindle,
     UseLength,
     WaitFor,
@@ -340,6 +341,23 @@ def test_a_zero_while_a_measured_tool_may_be_in_force_is_refused() -> None:
     assert [one.why for one in lone.refused] == ["which tool length is in force is not known"]
     used = Options(measured_tools=True, lengths=LONG.lengths)
     assert not legalize(job(frame("zero_at", z=0), LENGTH), TARGETS["mcuwin"].target(), used).refused
+
+
+def test_outputs_stop_motion_where_the_axes_rest_anyway() -> None:
+    """Eding CNC: M54 and M55 let the axes come to rest (3.5.9); next to a dwell they do."""
+    valve = [SwitchOutput(channel=number(1), value=number(on), moving=True, span=PLACE) for on in (1, 0)]
+    rest = DwellFor(time=mm(0.5, "s"), span=PLACE)
+    legal = legalize(job(cut(x=1), valve[0], rest, valve[1], cut(x=2)), TARGETS["eding"].target(), Options())
+    outputs = [node for node in legal.job.body if isinstance(node, SwitchOutput)]
+    assert len(outputs) == 2 and not any(one.moving for one in outputs)
+    refused = legalize(job(cut(x=1), valve[0], cut(x=2), rest), TARGETS["eding"].target(), Options()).refused
+    assert [one.construct for one in refused] == ["output without stopping motion"]
+
+
+def test_a_loop_by_the_state_of_an_input_reads_it_each_time() -> None:
+    loop = LoopWhile(condition=Input("input", number(3), PLACE), body=(cut(x=1),), span=PLACE)
+    legal = legalize(job(loop), TARGETS["eding"].target(), Options())
+    assert said(legal.job.body) == "read 3; while (#5399 == 1) {cut x1; read 3}"
 
 
 def test_a_guard_that_only_one_controller_has_is_left_out_and_others_are_kept() -> None:
