@@ -19,6 +19,8 @@ PACKAGES = set(SETTINGS["tool"]["setuptools"]["packages"])
 PLACES = SETTINGS["tool"]["setuptools"]["package-dir"]
 DOCS_CODES = "gproof.docs_codes"
 CODE_PACKAGES = set(PLACES) - {DOCS_CODES}
+FIRMWARE = ROOT / "backend" / "firmware"
+"""Its images are shipped, its sources are in the source archive."""
 NOT_PACKAGES = {"tests", "bench", "scripts", "corpus", "docs", "build", "dist"}
 
 
@@ -36,7 +38,13 @@ def files_to_ship() -> set[str]:
     for package in CODE_PACKAGES:
         place = PLACES[package]
         for path in (ROOT / place).rglob("*"):
-            if path.is_file() and "__pycache__" not in path.parts and path.suffix not in {".pyc", ".pyo"}:
+            left_out = path.parent == FIRMWARE and path.suffix in {".c", ".h", ".txt"}
+            if (
+                path.is_file()
+                and not left_out
+                and "__pycache__" not in path.parts
+                and path.suffix not in {".pyc", ".pyo"}
+            ):
                 shipped.add(f"{package.replace('.', '/')}/{path.relative_to(ROOT / place).as_posix()}")
     return shipped
 

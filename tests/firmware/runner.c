@@ -1,0 +1,255 @@
+/* Runs a firmware on a simulated AVR: its serial line is a pseudo-terminal, every change of a pin is written with its cycle.
+ *
+ *     runner atmega328p|atmega2560 FILE.elf|FILE.hex EDGES SPEED
+ *
+ * It prints "port NAME" once, the terminal to open. EDGES gets 8 bytes a change, little-endian: cycle * 2^16 + pin * 2^8 + level;
+ * a pin's number is 8 for each port letter from A on, and its bit. SPEED: times real time, 0 as fast as it goes.
+ * Lines on its standard input:
+ *     set PIN LEVEL               an input gets this level now
+ *     after OUT COUNT PIN LEVEL   ... when the output OUT has risen COUNT times more
+ *     flush                       writes out the edges, then prints "flushed CYCLE START SPARE": now, when timer 1 began to count, and how
+ *                               many bytes of RAM neither data nor stack ever touched
+ *     stall MILLISECONDS          the processor stands still for so long of real time
+ * It ends with its standard input. Written for simavr 1.6. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <avr_ioport.h>
+#include <avr_uart.h>
+#include <sim_avr.h>
+#include <sim_elf.h>
+#include <sim_hex.h>
+
+#define HZ 16000000
+#define TCCR1B 0x81 /* on both chips; its low bits start the timer */
+#define FIRST_RAM 0x100
+#define PAINT 0xa5
+#define LOOK 3200 /* cycles between looks at terminal and standard input */
+
+static avr_t *avr;
+static FILE *edges;
+static int terminal;
+static bool ready = true; /* the UART takes bytes */
+static avr_irq_t *serial_in;
+static uint8_t levels[96];
+static avr_cycle_count_t timer_began;
+static struct {
+    uint8_t out, in, level;
+    uint32_t count;
+} trip;
+
+static void quiet(avr_t *of, const int level, const char *format, va_list values)
+{
+    (void)of;
+    if (level <= LOG_ERROR)
+        vfprintf(stderr, format, values);
+}
+
+static void set_pin(uint8_t pin, uint8_t level)
+{
+    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('A' + pin / 8), pin % 8), level);
+}
+
+static void pin_changed(struct avr_irq_t *irq, uint32_t value, void *parameter)
+{
+    (void)irq;
+    uint8_t pin = (uintptr_t)parameter, level = value & 1;
+    if (levels[pin] == level)
+        return;
+    levels[pin] = level;
+    uint64_t row = avr->cycle << 16 | pin << 8 | level;
+    fwrite(&row, sizeof row, 1, edges);
+    if (trip.count > 0 && pin == trip.out && level && --trip.count == 0)
+        set_pin(trip.in, trip.level);
+}
+
+static void serial_out(struct avr_irq_t *irq, uint32_t value, void *parameter)
+{
+    (void)irq, (void)parameter;
+    uint8_t byte = value;
+    while (write(terminal, &byte, 1) < 0 && errno == EINTR) {
+    } /* a host that does not read loses bytes, as on a wire */
+}
+
+static void line_free(struct avr_irq_t *irq, uint32_t value, void *parameter)
+{
+    (void)irq, (void)value, (void)parameter;
+    ready = true;
+}
+
+static void line_full(struct avr_irq_t *irq, uint32_t value, void *parameter)
+{
+    (void)irq, (void)value, (void)parameter;
+    ready = false;
+}
+
+static uint8_t waiting[4096];
+static size_t waits_from, waits_to;
+
+static void look_at_terminal(void)
+{
+    if (waits_from == waits_to) {
+        ssize_t count = read(terminal, waiting, sizeof waiting);
+        waits_from = 0;
+        waits_to = count > 0 ? count : 0;
+    }
+    while (ready && waits_from < waits_to)
+        avr_raise_irq(serial_in, waiting[waits_from++]);
+}
+
+/* The longest stretch of RAM that still has the paint. */
+static unsigned spare(void)
+{
+    unsigned longest = 0, here = 0;
+    for (uint32_t at = FIRST_RAM; at <= avr->ramend; at++) {
+        here = avr->data[at] == PAINT ? here + 1 : 0;
+        if (here > longest)
+            longest = here;
+    }
+    return longest;
+}
+
+static void obey(const char *line)
+{
+    unsigned a, b, c, d;
+    if (sscanf(line, "set %u %u", &a, &b) == 2) {
+        set_pin(a, b);
+    } else if (sscanf(line, "after %u %u %u %u", &a, &b, &c, &d) == 4) {
+        trip.out = a, trip.count = b, trip.in = c, trip.level = d;
+    } else if (sscanf(line, "stall %u", &a) == 1) {
+        usleep(a * 1000);
+    } else if (strncmp(line, "flush", 5) == 0) {
+        fflush(edges);
+        printf("flushed %llu %llu %u\n", (unsigned long long)avr->cycle, (unsigned long long)timer_began, spare());
+        fflush(stdout);
+    }
+}
+
+/* False at the end of the standard input. */
+static bool look_at_input(void)
+{
+    static char text[256];
+    static size_t length;
+    struct pollfd input = {.fd = 0, .events = POLLIN};
+    if (poll(&input, 1, 0) <= 0)
+        return true;
+    ssize_t count = read(0, text + length, sizeof text - 1 - length);
+    if (count <= 0)
+        return false;
+    length += count;
+    text[length] = 0;
+    for (char *end; (end = strchr(text, '\n')) != NULL;) {
+        *end = 0;
+        obey(text);
+        length -= end + 1 - text;
+        memmove(text, end + 1, length + 1);
+    }
+    return true;
+}
+
+static void load(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    if (dot != NULL && strcmp(dot, ".hex") == 0) {
+        uint32_t size, start;
+        uint8_t *code = read_ihex_file(path, &size, &start);
+        if (code == NULL)
+            exit(2);
+        avr_loadcode(avr, code, size, start);
+        avr->codeend = start + size;
+        free(code);
+    } else {
+        static elf_firmware_t firmware;
+        if (elf_read_firmware(path, &firmware) != 0)
+            exit(2);
+        avr_load_firmware(avr, &firmware);
+    }
+}
+
+static void open_terminal(void)
+{
+    int other; /* stays open, or the terminal would end with its first user */
+    char name[128];
+    struct termios raw;
+    memset(&raw, 0, sizeof raw);
+    cfmakeraw(&raw);
+    if (openpty(&terminal, &other, name, &raw, NULL) != 0)
+        exit(2);
+    fcntl(terminal, F_SETFL, O_NONBLOCK);
+    printf("port %s\n", name);
+    fflush(stdout);
+}
+
+static void connect_pins(void)
+{
+    for (uintptr_t pin = 0; pin < sizeof levels; pin++) {
+        avr_irq_t *irq = avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('A' + pin / 8), pin % 8);
+        if (irq != NULL)
+            avr_irq_register_notify(irq, pin_changed, (void *)pin);
+    }
+    uint32_t flags = 0;
+    avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
+    flags &= ~(AVR_UART_FLAG_STDIO | AVR_UART_FLAG_POLL_SLEEP);
+    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
+    serial_in = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), serial_out, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XON), line_free, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), line_full, NULL);
+}
+
+static void keep_pace(double speed, const struct timespec *begun)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    double ahead = avr->cycle / (speed * HZ) - (now.tv_sec - begun->tv_sec) - (now.tv_nsec - begun->tv_nsec) * 1e-9;
+    if (ahead > 0.0005)
+        usleep(ahead * 1e6);
+}
+
+int main(int count, char **words)
+{
+    if (count != 5)
+        return 2;
+    avr_global_logger_set(quiet);
+    avr = avr_make_mcu_by_name(words[1]);
+    edges = fopen(words[3], "wb");
+    double speed = atof(words[4]);
+    if (avr == NULL || edges == NULL)
+        return 2;
+    avr_init(avr);
+    avr->frequency = HZ;
+    load(words[2]);
+    memset(avr->data + FIRST_RAM, PAINT, avr->ramend + 1 - FIRST_RAM);
+    open_terminal();
+    connect_pins();
+    struct timespec begun;
+    clock_gettime(CLOCK_MONOTONIC, &begun);
+    for (avr_cycle_count_t next = 0;;) {
+        int state = avr_run(avr);
+        if (state == cpu_Done || state == cpu_Crashed)
+            break;
+        if (timer_began == 0 && (avr->data[TCCR1B] & 7) != 0)
+            timer_began = avr->cycle;
+        if (avr->cycle < next)
+            continue;
+        next = avr->cycle + LOOK;
+        look_at_terminal();
+        if (!look_at_input())
+            break;
+        if (speed > 0)
+            keep_pace(speed, &begun);
+    }
+    fclose(edges);
+    return 0;
+}
