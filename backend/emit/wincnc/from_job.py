@@ -16,7 +16,17 @@ from gproof.backend.emit.job_numbers import decimals_of, factor, text_of
 from gproof.backend.emit.job_writer import JobWriter, joined
 from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.wincnc.feeds import feed_groups, forget_feeds, needs_feed
-from gproof.backend.emit.wincnc.job_walk import ZERO, Rate, bits, feed_after, kept_before, number, own_zero, rate_of
+from gproof.backend.emit.wincnc.job_walk import (
+    ZERO,
+    Rate,
+    bits,
+    feed_after,
+    kept_before,
+    number,
+    own_zero,
+    rate_of,
+    shifted_back,
+)
 from gproof.backend.emit.wincnc.tables import table_text
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Span
@@ -97,7 +107,7 @@ class WinCncWriter(JobWriter):
             self._file(self.names[name], routine, self.entries.get(name))
         self.out, self.state, self.in_file = [], dict(self.constant), ""
         body, _ = own_zero(self.job.body)
-        body = kept_before(body)
+        body = shifted_back(kept_before(body), self.job)
         first = next((place for place, node in enumerate(body) if not isinstance(node, Remark)), len(body))
         self.body(body[:first])
         for line in self.header():
@@ -126,7 +136,7 @@ class WinCncWriter(JobWriter):
         self.out, self.state, self.in_file = [], dict(self.constant), name
         self.state["feed"] = feed
         body, _ = own_zero(routine.body)
-        body = kept_before(body)
+        body = shifted_back(kept_before(body), self.job)
         if self._leaves(routine.body):
             self.line("L92")
         if body and isinstance(body[-1], LeaveRoutine):

@@ -6,6 +6,7 @@ Manual: M Codes: M98; L Codes: L92; G Codes: G92.3.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -99,6 +100,61 @@ def kept_before(body: Nodes) -> Nodes:
             moved = None if back else moved
         found.append(node)
     return tuple(found)
+
+
+def shifted_back(body: Nodes, job: Job) -> Nodes:
+    """A body in which a zero that is kept and stays in force comes back by the shifts that it had: G92.3 takes the zero
+    that it puts away out of force. Unprintable where it had others."""
+    found = list(body)
+    for place, node in enumerate(body):
+        if not _is_plain(node, "zero_keep"):
+            continue
+        end = next((n for n in range(place + 1, len(body)) if _is_plain(body[n], "zero_recall")), None)
+        between = [one for one in body[place + 1 : end] if isinstance(one, SetFrame) and one.action in ZERO]
+        if end is None or (between and between[0].action == "zero_at"):
+            continue
+        if _all_zeros(body[place + 1 : end], job) > len(between) or any(one.action != "zero_shift" for one in between):
+            raise Unprintable("a work zero that is kept and stays in force")
+        found[place] = found[end] = Remark(text="", span=node.span)
+        back = [replace(one, at=replace(one.at, value=_minus(one.at.value))) for zero in between for one in zero.places]
+        if back:
+            found[end] = SetFrame(action="zero_shift", places=_summed(back), span=body[end].span)
+    return tuple(node for node in found if not (isinstance(node, Remark) and not node.text))
+
+
+def _is_plain(node: Node, action: str) -> bool:
+    return isinstance(node, SetFrame) and node.action == action and node.number is None
+
+
+def _minus(value: Expr) -> Expr:
+    return Number(-number(value), value.span)
+
+
+def _summed(places: Iterable[AxisPlace]) -> tuple[AxisPlace, ...]:
+    """One place for each axis; Unprintable for two units of one axis."""
+    found: dict[str, AxisPlace] = {}
+    for place in places:
+        before = found.get(place.axis)
+        if before is None:
+            found[place.axis] = place
+        elif before.at.unit != place.at.unit:
+            raise Unprintable("shifts of the work zero in two units")
+        else:
+            value = Number(number(before.at.value) + number(place.at.value), place.at.value.span)
+            found[place.axis] = replace(place, at=replace(place.at, value=value))
+    return tuple(found.values())
+
+
+def _all_zeros(nodes: Nodes, job: Job) -> int:
+    """How many operations on the zero are in these, and in the routines that they run."""
+    count, seen, todo = 0, set[str](), [nodes]
+    while todo:
+        for node in walk(todo.pop()):
+            count += isinstance(node, SetFrame) and node.action in ZERO
+            if isinstance(node, RunRoutine) and node.name not in seen:
+                seen.add(node.name)
+                todo.append(job.routines[node.name].body)
+    return count
 
 
 def feed_after(body: Nodes, feed: Rate | None, writer: Walked) -> Rate | None:

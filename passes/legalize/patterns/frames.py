@@ -29,7 +29,7 @@ def zero(node: Node, feature: str, context: Context) -> list[Node] | None:
         kept, was_off = context.kept.get(_key(node, context), (None, False))
         return None if kept is None or not was_off else put(kept, context, node.span)
     if node.action == "select":
-        return [replace(node, axes=())] if set(context.axes) <= set(node.axes) else None
+        return _selected_for_some(node, context)
     moved = {place.axis: context.mm(place.at) for place in node.places}
     if any(value is None for value in moved.values()):
         return None
@@ -42,6 +42,22 @@ def zero(node: Node, feature: str, context: Context) -> list[Node] | None:
         places[axis] = base, before + value
     found = put(Zero(0, places), context, node.span)
     return _shifted_here(node, by, context) if found is None and node.action == "zero_shift" else found
+
+
+def _selected_for_some(node: SetFrame, context: Context) -> list[Node] | None:
+    """A work offset that only some axes count from: the others keep their zero, for the next job too."""
+    number = None if node.number is None else context.value(node.number)
+    kept = {a for a in context.options.axes if a not in node.axes and context.zero.place(a) != (number, 0.0)}
+    if set(context.axes) <= set(node.axes) and not (kept and _readable("x", context)):
+        return [replace(node, axes=())]
+    if number is None:
+        return None
+    places = {axis: place for axis in AXIS_NAMES if (place := context.zero.place(axis)) is not None}
+    wanted = places | {axis: (round(number), 0.0) for axis in node.axes}
+    bases = {wanted.get(axis) for axis in (*context.axes, *context.options.axes)}
+    if len(bases) == 1:
+        return [replace(node, axes=())]
+    return put(Zero(0, wanted), context, node.span)
 
 
 def _shifted_here(node: SetFrame, by: dict[str, float], context: Context) -> list[Node] | None:
