@@ -429,7 +429,7 @@ def terms_of(
         target_symbols=(
             *only_local(done.target.name, done.session.dialect, done.only),
             *measured(done.target.name, done.session.dialect, source, given.tools),
-            *_lengths_in_zeros(done),
+            *_lengths_in_zeros(done), *_parked(done),
         ),
         coolant=tuple(sorted(given.coolant.items())),
         rapids_assumed=not wanted.straight_rapids, left_out=left_out,
@@ -450,3 +450,19 @@ def _lengths_in_zeros(done: Translation) -> tuple[SymbolMeaning, ...]:
         SymbolMeaning(symbol=f"work.{n}.z", form=(("tool.0.z", 1), (f"work.{n}.z", 1)))
         for n in range(1, done.target.offsets + 1)
     )
+
+
+PARKED = {1: 5161, 2: 5181}
+"""Numbers of the variables that hold the parking places of Eding CNC (3.1.1), from machine zero."""
+
+
+def _parked(done: Translation) -> Iterator[SymbolMeaning]:
+    """Parking places of a target without a front end: where those of the source are, as its setup states."""
+    if done.session.dialect != "eding" or done.target.name in DIALECTS:
+        return
+    for number, first in PARKED.items():
+        for column, axis in enumerate(AXIS_NAMES):
+            stated = done.session.setup.parameters.get(first + column)
+            if stated is not None:
+                mm = stated * (done.session.machine.unit if column < 3 else 1.0)
+                yield SymbolMeaning(symbol=f"park{number}.{axis}", mm=mm)

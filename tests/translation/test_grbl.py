@@ -24,9 +24,7 @@ GRBL_REFUSED = REFUSED | {
     "exact stop", "local offset restored", "local offset suspended", "the length of a tool", "variable", "wait",
 }  # fmt: skip
 """Besides those: what LinuxCNC has and grbl has not ("Supported G-Codes")."""
-UNPROVEN = {
-    "park-positions": "the parking places of both controllers are not known",
-}
+UNPROVEN = {}
 
 G = (
     "0 1 2 3 4 10 17 18 19 20 21 28 28.1 30 30.1 38.2 38.3 38.4 38.5 40 43.1 49 53 54 55 56 57 58 59 61 80 90 91 91.1 "

@@ -43,7 +43,6 @@ REFUSED = {
 }  # fmt: skip
 """Constructs of sources that LinuxCNC cannot have, or that have no neutral form: a refusal names one of them."""
 UNPROVEN = {
-    "park-positions": "the parking places of both controllers are not known",
     "unknown-switch": "#4001 is unknown",
 }
 """Jobs that are written and not proven, and why."""

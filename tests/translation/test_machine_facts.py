@@ -70,6 +70,22 @@ def test_what_only_the_setup_states_of_the_path_is_refused(to: str, tmp_path: Pa
         assert [one.code.label for one in done.findings.kept] == ["GP703"] and name in done.findings.kept[0].message
 
 
+PARKING = "[parameters]\n" + "".join(f"{first + n} = {5.0 + n}\n" for first in (5161, 5181) for n in range(3))
+
+
+@pytest.mark.parametrize("to", ["linuxcnc", "grbl"])
+def test_parking_places_are_those_of_the_setup(to: str, tmp_path: Path) -> None:
+    """G28 of Eding CNC goes on with every axis (3.4.8), that of LinuxCNC with those that are named (G-Codes G28)."""
+    text = f"{MODES.replace('G18', 'G17')}G0 X40 Y10 Z2\nG28 Z9\nG0 X1\nG30\nM30\n"
+    done = eding(tmp_path, text, to, setup=PARKING)
+    assert done.verdict is Verdict.SAFE, [one.message for one in done.findings.kept]
+    lines = done.files[""].decode().splitlines()
+    assert lines[lines.index("G28") - 1] == "Z9" and "G30" in lines
+    assert "the parking place (G28) of the target program is 7 mm (Z)" in done.assumed
+    # Where nobody states them, the job itself is open.
+    assert eding(tmp_path, text, to).verdict is Verdict.UNKNOWN
+
+
 def test_a_program_that_is_too_long_for_the_controller_is_refused(tmp_path: Path) -> None:
     """SZTSK3 of McuWIN (13.1.1.13): 100 lines of moves are more than 500 bytes."""
     moves = "".join(f"X{n % 7} Y{n}\n" for n in range(100))

@@ -48,10 +48,11 @@ def read_back(files: dict[str, bytes], name: str, language: Language, machine: M
     """The Trace of a program.
 
     files: texts by name, "" for the job's own, which is the only one that these languages have; name: what places in it
-    are called; machine: whose tool table counts; work: number of the work offset at the start.
+    are called; machine: whose tool table and axes count; work: number of the work offset at the start.
     """
     lengths = {tool.number: tool.length for tool in machine.tools if tool.length is not None}
-    reader = _Reader(name, language, work, lengths)
+    columns = tuple(axis.index for axis in machine.axes if axis.name.upper() in language.axes)
+    reader = _Reader(name, language, work, lengths, columns)
     unread: tuple[tuple[int, str], ...]
     if set(files) != {""}:
         found = Unread("a file besides the job")
@@ -68,9 +69,11 @@ class _Left(Exception):
 
 
 class _Reader:
-    def __init__(self, name: str, language: Language, work: int, lengths: dict[int, float]) -> None:
+    def __init__(
+        self, name: str, language: Language, work: int, lengths: dict[int, float], columns: tuple[int, ...]
+    ) -> None:  # fmt: skip
         self.language = language
-        self.now = Controller(name, language, work, lengths)
+        self.now = Controller(name, language, work, lengths, columns)
         self.variables: dict[int, float] = {}
         self.structure = Structure()
         self.steps = 0

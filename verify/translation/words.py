@@ -130,8 +130,13 @@ def _symbol(name: str, times: float = 1) -> str:
     elif kind == "tool":
         text = f"the length of tool {number}" if number != "0" else "the tool length in force at the start"
     else:
-        text = {"g92": "the local offset (G92)"}.get(name, name)
+        text = _PLACES.get(name, name)
     return text if times == 1 else f"{times:g} times {text}"
+
+
+_PLACES = {
+    "g92": "the local offset (G92)", "park1": "the parking place (G28)", "park2": "the parking place (G30)",
+}  # fmt: skip
 
 
 def where(place: Place | None) -> str:

@@ -50,6 +50,8 @@ class EdingWriter(Rs274Writer):
         """``(text)``, or after a semicolon where the text has brackets (3.2.4)."""
         return f"({text})" if "(" not in text and ")" not in text else f"; {text}"
 
+    parks_all = True  # 3.4.8
+
     # ---- X of lathes (2.1.14)
 
     def words(self, places: tuple[AxisPlace, ...]) -> list[str]:

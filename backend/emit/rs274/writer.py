@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -354,8 +355,14 @@ class Rs274Writer(JobWriter):
         else:
             self.put(LENGTH, ["G43", *([] if node.tool is None else [f"H{self.expression(node.tool)}"])], node.span)
 
+    parks_all = False
+    """Every axis goes to the parking place, by way of a place that names only some of them."""
+
     def park(self, node: ParkAt) -> None:
         """G28, G30."""
+        if node.to and not self.parks_all:
+            self.move(MoveTo(to=node.to, kind="rapid", span=node.span))
+            node = replace(node, to=())
         self.distances(node.to, node.span)
         self.put(ONCE, ["G28" if node.number == 1 else "G30", *self.words(node.to)], node.span)
         self.flush()

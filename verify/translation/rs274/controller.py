@@ -32,8 +32,11 @@ _NO_WORDS = np.full(9, NAN)
 class Controller:
     """Modes are None until the program says them: an earlier one may have left them otherwise."""
 
-    def __init__(self, name: str, language: Language, work: int, lengths: Mapping[int, float]) -> None:
+    def __init__(
+        self, name: str, language: Language, work: int, lengths: Mapping[int, float], columns: tuple[int, ...]
+    ) -> None:  # fmt: skip
         forms: Any = START
+        self.columns = columns
         self.language = language
         self.rows = Rows(name, forms)
         self.zeros = Zeros(work, dict(lengths))
@@ -319,7 +322,7 @@ class Controller:
         if named:
             self._moves(words, 0, line, machine=False)
         forms: list[Any] = list(self.rows.forms)
-        for axis in named or range(len(AXES)):
+        for axis in named or self.columns:
             self.rows.place[axis] = 0.0
             forms[axis] = unknown(f"park{number}.{AXIS_NAMES[axis]}").form
         self.rows.forms = self._forms(forms)
