@@ -43,6 +43,7 @@ from gproof.ir.verdict import Verdict
 from gproof.passes.legalize.by_map import Mapped, by_map
 from gproof.passes.legalize.context import Lowered, Options
 from gproof.passes.legalize.legalize import Legal, before_refusal, legalize
+from gproof.passes.legalize.unset_variables import with_stated
 from gproof.verify.translation.compare import compare
 from gproof.verify.translation.comparison import Comparison, Divergence
 from gproof.verify.translation.words import sentence
@@ -228,7 +229,10 @@ def legal_job(
         optional_stop=setup.optional_stop, lengths=lengths_of(session, machine, given),
         measured_tools=rules_named(session.dialect).measured_tools,
     )  # fmt: skip
-    return legalize(mapped.job, target, options)
+    job = mapped.job
+    if session.dialect == "eding" and wanted.to != session.dialect:
+        job = with_stated(job, values)
+    return legalize(job, target, options)
 
 
 def _mapped(session: Session, target: Target, machine: Machine, wanted: Wanted, given: TranslationMap) -> Mapped:

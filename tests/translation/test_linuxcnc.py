@@ -30,7 +30,8 @@ JOBS = safe_jobs()
 
 REFUSED = {
     "a cycle or a move that only this controller has", "asks the operator", "a command of this controller",
-    "variable that the controller sets", "cutter compensation", "tapping", "rotation of coordinates",
+    "variable that the controller sets", "variable #", "Y mapped onto A", "height compensation",
+    "cutter compensation", "tapping", "rotation of coordinates",
     "mirrored coordinates", "constant surface speed", "input that is read into a variable",
     "state of an input in an expression", "drilling cycle with repeats", "drilling cycle with a clearance of its own",
     "something that only this controller has", "words of one axis move another one", "question to the operator",
@@ -42,19 +43,12 @@ REFUSED = {
     "words of a rotary axis are lengths", "an expression in two units", "scaling of coordinates",
 }  # fmt: skip
 """Constructs of sources that LinuxCNC cannot have, or that have no neutral form: a refusal names one of them."""
-UNPROVEN = {
-    "unknown-switch": "#4001 is unknown",
-}
-"""Jobs that are written and not proven, and why."""
 
 
 @pytest.mark.parametrize("job", share(JOBS, 10), ids=str)
 def test_a_job_is_proven_or_refused_by_name(job: CorpusJob) -> None:
     done = translated(job, "linuxcnc")
     said = [f"{finding.code.label} {finding.message}" for finding in done.findings.kept]
-    if job.name in UNPROVEN:
-        assert done.verdict is not Verdict.SAFE, "proven by now: take it off the list"
-        return
     if done.verdict is Verdict.SAFE:
         assert done.files
         return
@@ -142,7 +136,7 @@ PEER_CANNOT = {
 
 def _for_the_peer() -> list[CorpusJob]:
     out = {name for names in PEER_CANNOT.values() for name in names}
-    return [job for job in JOBS if job.dialect == "eding" and job.name not in UNPROVEN and job.name not in out]
+    return [job for job in JOBS if job.dialect == "eding" and job.name not in out]
 
 
 @pytest.mark.parametrize("job", share(_for_the_peer(), 8), ids=str)
@@ -150,7 +144,7 @@ def test_linuxcnc_makes_the_same_moves(job: CorpusJob, peer: None) -> None:
     done = translated(job, "linuxcnc", exact=True)
     if done.verdict is not Verdict.SAFE:
         # Which constructs those are, another test says; what is written and not proven has no place here.
-        assert {one.code.label for one in done.findings.kept} <= {"GP703"} or job.name in UNPROVEN
+        assert {one.code.label for one in done.findings.kept} <= {"GP703"}
         return
     session = open_session(job.job, machine=job.machine, setup=job.setup, dialect=job.dialect)
     with tempfile.TemporaryDirectory() as folder:

@@ -86,6 +86,17 @@ def test_parking_places_are_those_of_the_setup(to: str, tmp_path: Path) -> None:
     assert eding(tmp_path, text, to).verdict is Verdict.UNKNOWN
 
 
+@pytest.mark.parametrize("to", ["linuxcnc", "mcuwin", "wincnc", "grbl"])
+def test_a_variable_that_the_job_does_not_set_has_the_value_of_the_setup(to: str, tmp_path: Path) -> None:
+    """On its own controller the operator has set #100 (Eding CNC 3.1.1); another one has nothing there."""
+    text = f"{MODES.replace('G18', 'G17')}G0 X[#100 * 2] Y1\nif [#100 > 3]\nG0 X1\nendif\nM30\n"
+    done = eding(tmp_path, text, to, setup="[parameters]\n100 = 5.0\n")
+    assert done.verdict is Verdict.SAFE, [one.message for one in done.findings.kept]
+    done = eding(tmp_path, text, to)
+    assert done.verdict is Verdict.UNKNOWN and not done.files
+    assert "variable #100 cannot be translated" in done.findings.kept[0].message
+
+
 def test_a_program_that_is_too_long_for_the_controller_is_refused(tmp_path: Path) -> None:
     """SZTSK3 of McuWIN (13.1.1.13): 100 lines of moves are more than 500 bytes."""
     moves = "".join(f"X{n % 7} Y{n}\n" for n in range(100))
