@@ -12,6 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gproof.driver.dialects import load_machine
+from gproof.ir.dialects.mcuwin.settings import mcuwin_settings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Axis, Machine, Tool
 
@@ -46,7 +47,7 @@ pre_include = ""
 post_include = ""
 shortest_path = false
 error_compensation = false
-program_size = 500000
+program_size = {size}
 {zeros}
 [din.task0]
 M0 = "stop"
@@ -102,8 +103,10 @@ def _lines(machine: Machine, to: str) -> Iterator[str]:
         yield CONTROLS
     if to == "mcuwin":
         linear = "".join(axis.word for axis in machine.axes if axis.unit == "mm")
+        own = mcuwin_settings(machine)
+        size = own.program_size if machine.controller.dialect == "mcuwin" else 500_000
         zeros = [[0.0] * len(machine.axes)] * 5
-        yield DIN.format(letters=linear, tools="", zeros=f"zero_offsets = {zeros}")
+        yield DIN.format(letters=linear, tools="", zeros=f"zero_offsets = {zeros}", size=size)
 
 
 def _axis(axis: Axis, to: str) -> Iterator[str]:

@@ -113,7 +113,7 @@ def test_linuxcnc_makes_the_same_moves(job: CorpusJob, peer: None) -> None:
     done = translated(job, "grbl", exact=True)
     if done.verdict is not Verdict.SAFE:
         # Which constructs those are, another test says; what is written and not proven has no place here.
-        assert {one.code.label for one in done.findings.kept} <= {"GP703"} or job.name in UNPROVEN
+        assert {one.code.label for one in done.findings.kept} <= {"GP703"}
         return
     session = open_session(job.job, machine=job.machine, setup=job.setup, dialect=job.dialect)
     # LinuxCNC has no G43.1 with a place alone, and an optional M7: these are not in the texts that are compared.

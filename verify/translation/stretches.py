@@ -109,6 +109,28 @@ def stretch_from(side: Side, number: int, devices: Devices, ends_of: set[int]) -
     return found
 
 
+def agree_on_stops(one: Stretch, other: Stretch) -> None:
+    """The stop that ends one stretch, where the other one waits for the operator too: who answers a message, waits."""
+    stops = [_final_stop(stretch) for stretch in (one, other)]
+    if stops == [True, False] and _waits_for_operator(other):
+        one.events.pop()
+    elif stops == [False, True] and _waits_for_operator(one):
+        other.events.pop()
+
+
+def _final_stop(found: Stretch) -> bool:
+    stop = found.events[-1] if found.events else None
+    if stop is None or stop.kind != "stop" or stop.values != (0.0,):
+        return False
+    return stop.at == len(found.moves.op) and _waits_for_operator(found)
+
+
+def _waits_for_operator(found: Stretch) -> bool:
+    """Whether nothing but a word of the operator ends a stretch, whatever it is."""
+    is_wait = len(found.edges) == 1 and found.edges[0].wait is Wait.OPERATOR
+    return is_wait and not (found.events and found.events[-1].kind == "stop" and found.events[-1].values != (0.0,))
+
+
 def _as_tool_change(side: Side, found: Stretch) -> None:
     """A stop that names a tool is a change to it: by the number that comes first after it, or by its text."""
     stop = found.events[-1] if found.events else None

@@ -149,6 +149,17 @@ def test_a_loop_that_looks_all_the_time_is_a_wait(shop: Shop, pause: str, is_pro
     assert (answer.verdict is Verdict.SAFE) == is_proven, answer
 
 
+@pytest.mark.parametrize(
+    "stop, is_proven", [("M0\nG1 X7\n", True), ("M1\nG1 X7\n", False), ("G1 X7\nM0\n", False), ("G1 X7\n", False)]
+)
+def test_a_message_that_waits_is_a_stop(shop: Shop, stop: str, is_proven: bool) -> None:
+    """G5 of WinCNC shows a text until somebody answers it; M1 stops only where the switch is on (Eding CNC 3.5.1)."""
+    waits = 'G22\nG90\nG1 X5 F9\nG5 M"oil the ways"\nG1 X7\n'
+    terms = TranslationTerms(source="WinCNC", target="Eding", source_symbols=one_zero(), target_straight=True)
+    answer = shop.compared((waits, "wincnc"), f"G21 G90 G94\nG1 X5 F9\n{stop}M2\n", terms)
+    assert (answer.verdict is Verdict.SAFE) == is_proven, answer
+
+
 BOTH_WAYS = SpindleOutputs(forward=(2,), backward=(1,), coolant=(3,))
 TWO = SpindleOutputs(forward=(2, 5), coolant=(3,))
 
