@@ -230,8 +230,8 @@ def legal_job(
         measured_tools=rules_named(session.dialect).measured_tools,
     )  # fmt: skip
     job = mapped.job
-    if session.dialect == "eding" and wanted.to != session.dialect:
-        job = with_stated(job, values)
+    if wanted.to != session.dialect:
+        job = with_stated(job, values, _users(session))
     return legalize(job, target, options)
 
 
@@ -456,17 +456,20 @@ def _lengths_in_zeros(done: Translation) -> tuple[SymbolMeaning, ...]:
     )
 
 
-PARKED = {1: 5161, 2: 5181}
-"""Numbers of the variables that hold the parking places of Eding CNC (3.1.1), from machine zero."""
+def _users(session: Session) -> tuple[range, ...]:
+    """Numbers of the variables that programs of a language have for themselves, and that outlive them."""
+    parameters = rules_named(session.dialect).parameters
+    return tuple(range(one.first, one.last + 1) for one in parameters if one.kind in ("free", "persistent"))
 
 
 def _parked(done: Translation) -> Iterator[SymbolMeaning]:
     """Parking places of a target without a front end: where those of the source are, as its setup states."""
-    if done.session.dialect != "eding" or done.target.name in DIALECTS:
+    if done.target.name in DIALECTS:
         return
-    for number, first in PARKED.items():
-        for column, axis in enumerate(AXIS_NAMES):
-            stated = done.session.setup.parameters.get(first + column)
+    for entry in rules_named(done.session.dialect).parameters:
+        number = {"park_1": 1, "park_2": 2}.get(entry.kind)
+        for column, axis in enumerate(AXIS_NAMES) if number else ():
+            stated = done.session.setup.parameters.get(entry.first + column)
             if stated is not None:
                 mm = stated * (done.session.machine.unit if column < 3 else 1.0)
                 yield SymbolMeaning(symbol=f"park{number}.{axis}", mm=mm)

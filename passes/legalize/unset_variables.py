@@ -6,7 +6,7 @@ others are refused by name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from gproof.ir.finding import Span
@@ -14,16 +14,19 @@ from gproof.ir.job import CountLoop, Job, Node, NotRaised, Remark, RunRoutine, S
 from gproof.ir.job_features import expressions, parts_of_expression
 from gproof.ir.program import Expr, Number, Variable
 
-USER = range(1, 5000)
-"""Numbers of variables that are the programs' own (Eding CNC 3.1.1; RS274/NGC 2.1.2.1)."""
 
+def with_stated(job: Job, values: Mapping[int, float], users: Sequence[range]) -> Job:
+    """The job with settings of what it reads and never sets; NotRaised at the first use of what nobody states.
 
-def with_stated(job: Job, values: Mapping[int, float]) -> Job:
-    """The job with settings of what it reads and never sets; NotRaised at the first use of what nobody states."""
+    users: numbers of the variables that are the programs' own.
+    """
     read, written = _used(job)
     if written is None:
         return job
-    missing = {number: span for number, span in read.items() if number in USER and number not in written}
+    missing = {
+        number: span for number, span in read.items()
+        if number not in written and any(number in one for one in users)
+    }  # fmt: skip
     settings: list[Node] = []
     for number, span in sorted(missing.items()):
         if number in values:

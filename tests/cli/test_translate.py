@@ -454,7 +454,7 @@ def test_two_files_of_one_name_get_two_names(shop: Path) -> None:
 
 
 def test_the_reports_of_a_folder(shop: Path) -> None:
-    (shop / "parts" / "c.tap").write_text("G90\nG0 X1\nL21\n", encoding="utf-8")
+    (shop / "parts" / "c.tap").write_text("G90\nG0 X1\nL37\n", encoding="utf-8")
     report = json.loads(translate(shop, *BOTH, "--format", "json", job="parts", out="new").out)
     assert list(violations(report, SCHEMA_JSON)) == []
     assert [one["verdict"] for one in report["programs"]] == ["SAFE", "SAFE", "UNKNOWN"]
