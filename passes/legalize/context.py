@@ -94,6 +94,7 @@ class Zero:
 _KNOWN = (
     "values", "place", "spindle", "coolant", "switched", "turns", "program_place", "zero", "local_off", "kept", "local",
     "suspended", "remembered", "moved", "offsets", "selected", "shift", "length", "measuring",
+    "at_machine",
 )  # fmt: skip
 """What a context knows at a place."""
 
@@ -126,8 +127,8 @@ class Context:
     of the tool that are in the zero of a target without tool lengths, None: not known; length_known: whether it is at
     the start; measuring: each tool's length counts from its change on; kept_length: what ``zero_keep`` kept of it;
     keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work offset that is
-    the only zero of the target; as_is: frames and changes that are meant without a length, or have it already, with
-    whether they move the place of Z."""
+    the only zero of the target; at_machine: mm by axis from machine zero, of those that went there; as_is: frames and
+    changes that are meant without a length, or have it already, with whether they move the place of Z."""
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -172,6 +173,7 @@ class Context:
         self.lengths_used: dict[int, float] = {}
         self.kept_length: float | None = None
         self.keeping = False
+        self.at_machine: dict[str, float] = {}
         self.only: dict[str, int] = {}
         self.as_is: list[tuple[Node, bool]] = []
 
@@ -206,8 +208,8 @@ class Context:
 
     def join(self, other: dict[str, Any]) -> None:
         """What is known where two ways meet: what both know."""
-        for known in (self.values, self.place):
-            there = other["values" if known is self.values else "place"]
+        for known, name in ((self.values, "values"), (self.place, "place"), (self.at_machine, "at_machine")):
+            there = other[name]
             for key in [key for key, value in known.items() if there.get(key) != value]:
                 del known[key]  # type: ignore[arg-type]
         self.spindle = self.spindle if self.spindle == other["spindle"] else ""
@@ -264,6 +266,8 @@ class Context:
 
     def after(self, node: Node) -> None:
         """Follow an operation that stays as it is."""
+        for axis in _moved_by(node) & self.at_machine.keys():
+            del self.at_machine[axis]
         if isinstance(node, Moves):
             self._after_moves(node)
         elif isinstance(node, MoveTo):
@@ -340,6 +344,8 @@ class Context:
         self._after_shift(node)
         number = None if node.number is None else self.value(node.number)
         if self.coming is not None and node is self.coming[0]:
+            found = {axis: self.machine_place(axis) for axis in AXIS_NAMES}
+            self.at_machine = {axis: at for axis, at in found.items() if at is not None}
             _, self.zero, self.place = self.coming
             self.local, self.coming = {}, None
             return
@@ -402,6 +408,13 @@ class Context:
             return True
         one_offset = "frame_zero_shift" in self.target.legal and "frame_local_here" not in self.target.legal
         return is_select and one_offset and bool(self.local)
+
+    def machine_place(self, axis: str) -> float | None:
+        """Where an axis is, from machine zero and without a tool length; None where it is not known."""
+        zero = self.zero.place(axis)
+        if zero is not None and not zero[0] and axis in self.place and self.local == {}:
+            return zero[1] + self.place[axis]
+        return self.at_machine.get(axis)
 
     def is_as_is(self, node: Node) -> bool:
         """Whether a frame is meant as it stands, without the length of the tool."""
@@ -537,6 +550,19 @@ class Context:
     def routine_nodes(self, name: str) -> Iterable[Node]:
         """Operations of a routine and of those that it runs."""
         return self._all(self.job.routines[name].body, {name})
+
+
+def _moved_by(node: Node) -> set[str]:
+    """The axes that an operation may move."""
+    if isinstance(node, MoveTo | ArcTo):
+        return {place.axis for place in node.to}
+    if isinstance(node, Moves):
+        bits = int(np.bitwise_or.reduce(node.rows["axes"]))
+        return {axis for column, axis in enumerate(AXIS_NAMES) if bits & (1 << column)}
+    if isinstance(node, DrillHole):
+        return {node.top.axis, *(place.axis for place in node.at)}
+    quiet = (Remark, SetFeed, DwellFor, SwitchOutput, SwitchCoolant, TurnSpindle, SetFrame, SetVariable)
+    return set() if isinstance(node, quiet) else set(AXIS_NAMES)
 
 
 def axes_of(job: Job) -> tuple[str, ...]:

@@ -40,7 +40,7 @@ def local_as_shift(node: Node, feature: str, context: Context) -> list[Node] | N
     if node.action == "local_here":
         wanted = context.local_after(node)
         if wanted is None:
-            return None
+            return _at_machine(node, context)
     elif node.action in {"local_off", "local_suspend"}:
         wanted = {}
     elif node.action == "local_restore":
@@ -50,6 +50,21 @@ def local_as_shift(node: Node, feature: str, context: Context) -> list[Node] | N
     else:
         return None
     return _shift(node, wanted, context)
+
+
+def _at_machine(node: SetFrame, context: Context) -> list[Node] | None:
+    """The name of a place that is known from machine zero, as the zero of its axes, where nothing takes it off."""
+    back = {"select", "local_off", "local_suspend", "local_restore"}
+    if context.length is None or any(isinstance(one, SetFrame) and one.action in back for one in context.nodes()):
+        return None
+    places: dict[str, float] = {}
+    for place in node.places:
+        at, named = context.machine_place(place.axis), context.mm(place.at)
+        if at is None or named is None or place.relative:
+            return None
+        # With a length in force the zero is so much lower; it is added to every zero that is set.
+        places[place.axis] = at - named - (context.length if place.axis == "z" else 0.0)
+    return [SetFrame(action="zero_at", places=_at(places, node, context), span=node.span)]
 
 
 def _unit(axis: str, context: Context) -> str:

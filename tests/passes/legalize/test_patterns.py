@@ -360,6 +360,16 @@ def test_a_loop_by_the_state_of_an_input_reads_it_each_time() -> None:
     assert said(legal.job.body) == "read 3; while (#5399 == 1) {cut x1; read 3}"
 
 
+def test_the_name_of_a_place_in_machine_coordinates_is_a_zero_there() -> None:
+    """At machine X50 the present place becomes X2: the zero is at 48; after a move of X that is no place any more."""
+    go, name = rapid(x=50, frame="machine"), frame("local_here", x=2)
+    target = TARGETS["mcuwin"].target()
+    legal = legalize(job(go, name, cut(x=1)), target, Options())
+    assert said(legal.job.body) == "zero_at x0; rapid x50; select 1; zero_at x48; cut x1"
+    assert legalize(job(go, cut(x=N), name), target, Options()).refused
+    assert legalize(job(go, name, frame("local_off")), target, Options()).refused
+
+
 def test_a_guard_that_only_one_controller_has_is_left_out_and_others_are_kept() -> None:
     """Eding CNC guards the machine's area (4.2), and has no boundaries."""
     off = [SwitchGuard(name=name, on=False, span=PLACE) for name in ("machine_area", "boundaries")]
