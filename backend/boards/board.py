@@ -99,9 +99,9 @@ class Status:
 
     tick: the board's clock; state; free: runs the FIFO can take; accepted: runs acknowledged, by motor;
     steps: pulses given since it was opened, by motor; position: in steps, by motor; events: how many were
-    carried out; stopped_at: clock tick at which motion stopped for good; reason: why. known: how well steps and
-    position are known; most: steps by motor that it made at most, where they lie between. While a section runs, a
-    board that does not report its steps states those that it has certainly made.
+    carried out; stopped_at: clock tick at which motion stopped for good; reason: why. known: how well the
+    position is known; most: steps by motor that it made at most, where they are not known exactly. While a section
+    runs, a board that does not report its steps states those that it has certainly made.
     """
 
     tick: int
@@ -143,6 +143,14 @@ class Observed:
     def clean(self) -> bool:
         """True when no pulse or direction change came too early."""
         return not any(self.overlaps) and not any(self.setups)
+
+
+@record(frozen=True, slots=True)
+class Executed:
+    """What a board reports of one motor's last section: steps made, and a CRC-32 of the runs they were made of."""
+
+    steps: int
+    crc: int
 
 
 class Board(Protocol):
@@ -199,6 +207,9 @@ class Board(Protocol):
 
         Of any other, the status. The state after it was found is STOPPED; LOST when it was not.
         """
+
+    def executed(self) -> tuple[Executed, ...]:
+        """What the board executed of the last section, by motor; empty from a board that does not count it."""
 
     def observed(self) -> Observed:
         """Measurements since the board was opened; empty from a board that makes none."""

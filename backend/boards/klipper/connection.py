@@ -151,8 +151,6 @@ class Connection:
     def pump(self, until: float) -> None:
         """One round: write what is due, and read what arrives ``until`` then. LineLost."""
         transport, now = self.transport, self.line.now()
-        if transport.silent(now) > GONE:
-            raise LineLost(f"the board has acknowledged nothing for {GONE:g} s")
         if data := transport.out(now):
             self.line.write(data)
         again = transport.next_time()
@@ -166,6 +164,9 @@ class Connection:
         for payload, asked in received:
             for name, fields in self.dictionary.read(payload):
                 self._dispatch(Answer(name, fields, asked, now))
+        # Only what arrived shows how long nothing did: the host may have slept.
+        if not data and transport.silent(now) > GONE:
+            raise LineLost(f"the board has acknowledged nothing for {GONE:g} s")
 
     def _dispatch(self, answer: Answer) -> None:
         if self._answers is not None and answer.name == self._awaited:

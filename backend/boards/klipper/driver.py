@@ -19,6 +19,7 @@ from gproof.backend.boards.board import (
     BoardState,
     Capabilities,
     EventDone,
+    Executed,
     Known,
     Observed,
     Status,
@@ -52,10 +53,13 @@ MOST_EVENT = 24
 RESERVE = 8
 """Places of the board that are left for outputs."""
 
+SLACK = 2000
+"""Ticks that a board takes to stop after the clock that it states: a step may still be made in them."""
+
 FIND_TRIES, FIND_PAUSE = 50, 0.1
 """How often a board that was lost is looked for, seconds apart."""
 
-_PAUSE = 0.05
+_MOMENT, _PAUSE = 0.0005, 0.05
 _NEVER, _WORD = 1 << 62, 0xFFFFFFFF
 
 
@@ -81,6 +85,8 @@ class KlipperBoard:
         self._live: Session | None = None
         self._past: BoardClock | None = None
         self._identity = b""
+        self._executed: tuple[Executed, ...] = ()
+        self._sent = 0
         self._state, self._reason = BoardState.CLOSED, ""
         self._known = Known.UNKNOWN
         self._stopped_at: int | None = None
@@ -154,7 +160,11 @@ class KlipperBoard:
         raw = live.positions()
         self._outbox.clear()
         offsets = self._offsets or [0] * len(raw)
-        self._motors[:] = [MotorLedger(position=k + off) for k, off in zip(raw, offsets, strict=True)]
+        self._motors[:] = [
+            MotorLedger(position=k + off, inverted=pins.inverted_direction)
+            for k, off, pins in zip(raw, offsets, self._wiring.motors, strict=True)
+        ]
+        self._executed = ()
         self._state, self._reason, self._stopped_at = BoardState.IDLE, "", None
         self._known, self._bounds = Known.EXACT, None
         self._done, self._events = [], 0
@@ -204,9 +214,10 @@ class KlipperBoard:
             live.link.send("cert_begin", identity=self._identity)
             live.link.send("cert_section", number=number, clock=self._base & _WORD)
         for oid, motor in enumerate(self._motors):
-            motor.position, motor.tail, motor.direction = start[oid], self._base, 0
+            motor.section(start[oid], self._base, self._identity, number)
             live.link.send("reset_step_clock", oid=oid, clock=self._base & _WORD)
         self._outbox.clear()
+        self._executed = ()
         self._horizon, self._end = self._base, None
         self._state = BoardState.RUNNING
         self._round()
@@ -271,7 +282,7 @@ class KlipperBoard:
     def _flush(self, promise: str = "", tick: int | None = None) -> None:
         """Send what is queued, then what is promised to firmware that watches."""
         live = self._session()
-        self._outbox.send(live.link, self._now)
+        self._outbox.send(live.link, self._now, promises=live.certified)
         if promise and live.certified:
             fields = {} if tick is None else {"clock": tick & _WORD}
             live.link.transport.send(live.link.command(promise, **fields), now=False)
@@ -284,14 +295,12 @@ class KlipperBoard:
         if self._state is BoardState.RUNNING:
             self._flush()
         live = self._session()
-        while not self._state.over:
-            now = live.now()
-            until = live.clock.host_second(tick)
-            if self._now >= tick or until <= now:
-                break
-            self._round(min(until, now + _PAUSE))
         if not self._state.over:
-            self._round()
+            # At least a moment, so that a host that waits for an answer does not spin.
+            self._round(live.now() + _MOMENT)
+        while not self._state.over and self._now < tick:
+            now = live.now()
+            self._round(min(max(now + _MOMENT, live.clock.host_second(tick)), now + _PAUSE))
 
     def _round(self, until: float | None = None) -> None:
         """Hear the line, ask the clock, look after promises; what ends everything is a state and no error."""
@@ -352,7 +361,7 @@ class KlipperBoard:
         assert self._offsets is not None
         try:
             live.read_clock()
-            raw = live.positions()
+            raw, self._executed = live.positions(), live.executed()
         except Shutdown:
             return
         except (LineLost, ClockError) as error:
@@ -362,11 +371,19 @@ class KlipperBoard:
         counted = [k + off for k, off in zip(raw, self._offsets, strict=True)]
         self._end = None
         sent = [motor.position for motor in self._motors]
-        if counted == sent:
+        other = self._other_runs()
+        if counted == sent and not other:
             self._state = BoardState.IDLE
             return
-        self._state, self._stopped_at, self._known = BoardState.FAULT, self._now, Known.UNKNOWN
-        self._reason = f"the board counts {counted} at the end, and {sent} was sent"
+        self._state, self._stopped_at = BoardState.FAULT, self._now
+        self._known = Known.EXACT if counted == sent else Known.UNKNOWN
+        self._reason = other or f"the board counts {counted} at the end, and {sent} was sent"
+
+    def _other_runs(self) -> str:
+        """Which motors executed other runs than were sent, where the board counts them; "" for none."""
+        pairs = enumerate(zip(self._executed, self._motors, strict=False))
+        wrong = [str(k) for k, (made, motor) in pairs if made.crc not in motor.sums(made.steps)]
+        return f"the board executed other runs than were sent to motor {', '.join(wrong)}" if wrong else ""
 
     # Stopping.
 
@@ -396,28 +413,36 @@ class KlipperBoard:
         live.link.transport.forget()
         try:
             live.leave_shutdown()
-            raw = live.positions()
+            raw, self._executed = live.positions(), live.executed()
         except BoardError as error:
             self._lose(f"{reason}; {error}")
             return
         self._state, self._reason = state, reason
-        self._place(raw, self._stopped_at)
+        self._place(raw, self._stopped_at, live.link.transport.sent)
 
-    def _place(self, raw: list[int], near: int) -> None:
-        """Take what the board counts after a stop for what was made."""
+    def _place(self, raw: list[int], tick: int, sent: int) -> None:
+        """Take what the board counts after a stop at a tick for what was made; sent: messages that it can have."""
         self._known, self._horizon, self._end, self._bounds = Known.EXACT, None, None, None
         if self._offsets is None:
             return
-        for motor, counted, off in zip(self._motors, raw, self._offsets, strict=True):
+        least, most = [], []
+        for k, (motor, counted, off) in enumerate(zip(self._motors, raw, self._offsets, strict=True)):
             position = counted + off
-            steps = motor.stopped(position, near)
-            if steps is None:
+            bounds = motor.stopped(position, tick + SLACK, sent)
+            if bounds is None:
                 self._known = Known.UNKNOWN
                 self._reason += f"; the board counts {position}, where no step of the section leads"
-            else:
-                motor.steps = steps
+                bounds = motor.by(0, 0)[1], motor.by(_NEVER, sent)[1]
+            if k < len(self._executed):
+                bounds = (motor.all_made(self._executed[k].steps),) * 2
             motor.position = position
+            least.append((position, bounds[0]))
+            most.append(bounds[1])
+        if other := self._other_runs():
+            self._reason += f"; {other}"
+        for motor in self._motors:
             motor.stop()
+        self._bounds = least, tuple(most)
 
     def _lose(self, reason: str) -> None:
         """Nothing is heard: steps lie between what was certainly made and all that was sent."""
@@ -426,6 +451,7 @@ class KlipperBoard:
         self._horizon = self._end = None
         live = self._session()
         transport = live.link.transport
+        self._sent = transport.sent
         self._stopped_at = live.clock.last.tick
         most = tuple(motor.by(_NEVER, transport.sent)[1] for motor in self._motors)
         self._bounds = [m.by(self._stopped_at, transport.acknowledged) for m in self._motors], most
@@ -434,6 +460,7 @@ class KlipperBoard:
     def find(self) -> Status:
         """See Board; the same power-up and configuration mean that its counts are those of this run."""
         offsets, reason = self._offsets, self._reason
+        sent = self._sent
         for _ in range(FIND_TRIES):
             if self._state is not BoardState.LOST:
                 break
@@ -443,13 +470,13 @@ class KlipperBoard:
                     self._known, self._reason = Known.UNKNOWN, f"{reason}; found again, but it was reset"
                     break
                 self._await_rest(live)
-                raw = live.positions()
+                raw, self._executed = live.positions(), live.executed()
             except BoardError:
                 self._session().link.line.close()
                 time.sleep(FIND_PAUSE)
                 continue
             self._state, self._reason = BoardState.STOPPED, f"{reason}; found again"
-            self._place(raw, self._now)
+            self._place(raw, live.clock.last.tick, sent)
         return self.status()
 
     def _await_rest(self, live: Session) -> None:
@@ -457,6 +484,7 @@ class KlipperBoard:
         if any(motor.runs for motor in self._motors):
             live.halt()
             live.leave_shutdown()
+        live.read_clock()
 
     # Answers.
 
@@ -477,6 +505,8 @@ class KlipperBoard:
             least = [motor.by(seen, acknowledged) for motor in self._motors]
             running = self._state is BoardState.RUNNING
             most = tuple(motor.by(_NEVER, sent)[1] for motor in self._motors) if running else ()
+        if most == tuple(steps for _, steps in least):
+            most = ()
         return Status(
             tick=self._now,
             state=self._state,
@@ -495,6 +525,10 @@ class KlipperBoard:
         """See Board."""
         done, self._done = self._done, []
         return done
+
+    def executed(self) -> tuple[Executed, ...]:
+        """See Board; of firmware with the certification extension."""
+        return self._executed
 
     def observed(self) -> Observed:
         """See Board; such a board measures nothing."""

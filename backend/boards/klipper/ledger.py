@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from gproof.backend.boards.klipper.executed import RunSum
 from gproof.backend.runs import steps_within
 from gproof.ir.record import field, record
 
@@ -15,7 +16,8 @@ from gproof.ir.record import field, record
 @record(slots=True)
 class Run:
     """A run that was given to the board: clock ticks of the step before its first one and of its last; message: its
-    number among those sent (0: not yet)."""
+    number among those sent (0: not yet); base: tick of the clock base that it got (None: it goes on from the last).
+    """
 
     before: int
     interval: int
@@ -24,6 +26,7 @@ class Run:
     direction: int
     end: int
     message: int = 0
+    base: int | None = None
 
     @property
     def due(self) -> int:
@@ -46,7 +49,8 @@ class MotorLedger:
     """One motor: place and steps by all runs that are done, and the runs that are not, in order.
 
     tail: tick of the last step given; direction: of the last run given (0: not stated since the board was opened);
-    passed: runs on the list that have no place on the board any more.
+    passed: runs on the list that have no place on the board any more. sum: of the runs that are off the list, in this
+    section; origin: clock tick of the section's tick 0; inverted: the direction pin is low for steps that count up.
     """
 
     position: int = 0
@@ -55,6 +59,9 @@ class MotorLedger:
     tail: int = 0
     direction: int = 0
     passed: int = 0
+    inverted: bool = False
+    origin: int = 0
+    sum: RunSum | None = None
     runs: deque[Run] = field(default_factory=deque)
 
     def add(self, interval: int, count: int, add: int, direction: int) -> Run:
@@ -73,6 +80,7 @@ class MotorLedger:
             done = runs.popleft()
             self.position += done.direction * done.count
             self.steps += done.count
+            self._summed(done, done.count)
             freed += 1
         self.passed = max(0, self.passed - freed)
         return freed
@@ -86,6 +94,40 @@ class MotorLedger:
                 break
             self.passed += 1
         return len(runs) - self.passed
+
+    def section(self, start: int, origin: int, identity: bytes, number: int) -> None:
+        """A section starts at ``start`` steps and clock tick ``origin``."""
+        self.position, self.tail, self.origin, self.direction = start, origin, origin, 0
+        self.sum = RunSum(identity, number)
+        self.sum.base(0)
+
+    def _summed(self, run: Run, count: int) -> None:
+        if self.sum is not None:
+            if run.base is not None:
+                self.sum.base(run.base - self.origin)
+            interval = run.interval if run.base is None else run.due - run.base
+            self.sum.run(interval, count, run.add, int((run.direction > 0) is not self.inverted))
+
+    def all_made(self, steps: int) -> int:
+        """Steps since the board was opened, when it states those of this section."""
+        return self.steps + steps - (self.sum.steps if self.sum is not None else 0)
+
+    def sums(self, steps: int) -> set[int]:
+        """CRCs that a board may state that has made ``steps`` of this section; it may have taken the next base."""
+        if self.sum is None or steps < self.sum.steps:
+            return set()
+        found: set[int] = set()
+        for run in self.runs:
+            rest = steps - self.sum.steps
+            if not rest:
+                found.add(self.sum.crc)
+                if run.base is not None:
+                    self.sum.base(run.base - self.origin)
+                break
+            self._summed(run, min(rest, run.count))
+        if steps == self.sum.steps:
+            found.add(self.sum.crc)
+        return found
 
     def stop(self) -> None:
         """Nothing is stored any more."""
@@ -109,21 +151,20 @@ class MotorLedger:
         """Runs on the list that the board has acknowledged."""
         return sum(0 < run.message <= acknowledged for run in self.runs)
 
-    def stopped(self, position: int, near: int) -> int | None:
-        """Steps made when the board counts ``position`` after a stop near a tick; None where no step leads there.
+    def stopped(self, position: int, tick: int, sent: int) -> tuple[int, int] | None:
+        """The least and most steps made when the board counts ``position`` after a stop at ``tick``; None: no number.
 
-        Steps are made in order, so what was made is a beginning of the runs; where a motor that turns back passes the
-        position twice, the passing nearest to the tick of the stop is taken.
+        Steps are made in order, so what was made is a beginning of the runs sent, and none was due after the stop. A
+        motor that turns back passes the position more than once.
         """
         at, steps = self.position, self.steps
-        best = steps if at == position else None
-        least = abs((self.runs[0].before if self.runs else near) - near)
+        found = [steps] if at == position else []
         for run in self.runs:
+            if not 0 < run.message <= sent or run.due > tick:
+                break
             needed = (position - at) * run.direction
-            if 0 < needed <= run.count:
-                off = abs(run.tick(needed) - near)
-                if best is None or off < least:
-                    best, least = steps + needed, off
+            if 0 < needed <= run.count and run.tick(needed) <= tick:
+                found.append(steps + needed)
             at += run.direction * run.count
             steps += run.count
-        return best
+        return (found[0], found[-1]) if found else None

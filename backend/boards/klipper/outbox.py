@@ -18,6 +18,10 @@ from gproof.ir.record import record
 REBASE = 1 << 30
 """Ticks of rest from which a motor gets a new clock base."""
 
+PROMISED = 32
+"""Runs after which firmware that watches gets a promise: a line needs longer for all that is sent ahead than the
+promise before lasts."""
+
 FROM_BASE = 1 << 16
 """Ticks from a new base to the step."""
 
@@ -82,13 +86,18 @@ class Outbox:
         )
         return number
 
-    def send(self, link: Connection, now: int) -> None:
-        """Send everything queued; now: a tick that the clock shows. BoardError."""
+    def send(self, link: Connection, now: int, *, promises: bool = False) -> None:
+        """Send everything queued; now: a tick that the clock shows; promises: of what was sent so far, in between.
+
+        BoardError.
+        """
         transport = link.transport
         events = iter(self._new)
         event = next(events, None)
         self._runs.sort(key=lambda entry: entry[0])
-        for due, motor, run in self._runs:
+        for k, (due, motor, run) in enumerate(self._runs):
+            if promises and k % PROMISED == PROMISED - 1:
+                transport.send(link.command("cert_commit", clock=(due - 1) & _WORD), due, now=False)
             while event is not None and event[0] <= due:
                 self._send_event(link, event)
                 event = next(events, None)
@@ -112,8 +121,8 @@ class Outbox:
         if interval >= REBASE:
             if run.before > now:
                 raise BoardError(f"motor {motor}: a run after a rest of {interval} ticks was sent before the rest")
-            interval = FROM_BASE
-            yield link.command("reset_step_clock", oid=motor, clock=(run.due - interval) & _WORD)
+            interval, run.base = FROM_BASE, run.due - FROM_BASE
+            yield link.command("reset_step_clock", oid=motor, clock=run.base & _WORD)
         if run.direction != ledger.direction:
             ledger.direction = run.direction
             yield link.command(

@@ -6,7 +6,7 @@ firmware has the certification extension (docs/boards.md).
 
 from __future__ import annotations
 
-from gproof.backend.boards.board import BoardError
+from gproof.backend.boards.board import BoardError, Executed
 from gproof.backend.boards.klipper.clock import BoardClock
 from gproof.backend.boards.klipper.connection import Answer, Connection, Shutdown
 from gproof.backend.boards.klipper.dictionary import DictionaryError
@@ -154,13 +154,15 @@ class Session:
             found.append(-count if pins.inverted_direction else count)
         return found
 
-    def executed(self) -> list[tuple[int, int]]:
-        """Steps and CRC of the runs that each motor made in its last section, by firmware that counts them."""
+    def executed(self) -> tuple[Executed, ...]:
+        """What each motor made of the last section, by firmware that counts it; BoardError."""
+        if not self.certified:
+            return ()
         found = []
         for oid in range(len(self.wiring.motors)):
             answer = self.link.query("cert_get_motor", "cert_motor", key="oid", oid=oid)
-            found.append((_number(answer, "steps"), _number(answer, "crc")))
-        return found
+            found.append(Executed(_number(answer, "steps"), _number(answer, "crc")))
+        return tuple(found)
 
     def halt(self) -> None:
         """Stop the board, before anything that is still to be sent; BoardError when it does not say that it has."""
