@@ -44,6 +44,9 @@ MOST_COUNT, MOST_ADD = (1 << 16) - 1, (1 << 15) - 1
 LONGEST, LONGEST_REST = (1 << 31) - 1, 1 << 61
 """Numbers that ``queue_step`` holds; a rest of any length is a new clock base."""
 
+FURTHEST = 1 << 30
+"""Ticks ahead that a promise may be: 32 bits tell 2**31 from the past."""
+
 START = 0.1
 """Seconds before tick 0 of a section for the line, beside the lead that the runtime asks for."""
 
@@ -59,7 +62,7 @@ SLACK = 2000
 FIND_TRIES, FIND_PAUSE = 50, 0.1
 """How often a board that was lost is looked for, seconds apart."""
 
-_MOMENT, _PAUSE = 0.0005, 0.05
+_MOMENT, _PAUSE = 0.0005, 0.2
 _NEVER, _WORD = 1 << 62, 0xFFFFFFFF
 
 
@@ -98,6 +101,7 @@ class KlipperBoard:
         self._base = 0
         self._horizon: int | None = None
         self._end: int | None = None
+        self._renew_at: int | None = None
         self._done: list[EventDone] = []
         self._events = 0
         self._bounds: tuple[list[tuple[int, int]], tuple[int, ...]] | None = None
@@ -218,7 +222,7 @@ class KlipperBoard:
             live.link.send("reset_step_clock", oid=oid, clock=self._base & _WORD)
         self._outbox.clear()
         self._executed = ()
-        self._horizon, self._end = self._base, None
+        self._horizon, self._end, self._renew_at = self._base, None, None
         self._state = BoardState.RUNNING
         self._round()
         return self._base
@@ -264,13 +268,13 @@ class KlipperBoard:
         """See Board; the host watches too, so that one that was asleep sends nothing late."""
         if self._takes("promise"):
             self._horizon = None if tick is None else self._base + tick
-            self._flush("cert_rest" if tick is None else "cert_commit", self._horizon)
+            self._flush(promise=True)
 
     def finish_section(self, duration: int) -> None:
         """See Board."""
         if self._takes("end of section"):
             self._end, self._horizon = self._base + duration, None
-            self._flush("cert_finish", self._end)
+            self._flush(promise=True)
 
     def _takes(self, what: str) -> bool:
         if self._state is BoardState.RUNNING and self._end is None:
@@ -279,14 +283,28 @@ class KlipperBoard:
             return False
         raise BoardError(f"a {what} outside a section")
 
-    def _flush(self, promise: str = "", tick: int | None = None) -> None:
+    def _flush(self, *, promise: bool = False) -> None:
         """Send what is queued, then what is promised to firmware that watches."""
         live = self._session()
         self._outbox.send(live.link, self._now, promises=live.certified)
         if promise and live.certified:
-            fields = {} if tick is None else {"clock": tick & _WORD}
-            live.link.transport.send(live.link.command(promise, **fields), now=False)
+            self._promise(live)
         self._round()
+
+    def _promise(self, live: Session) -> None:
+        """Tell the board up to when nothing is missing, or that nothing follows; as far ahead as it can be told."""
+        near = self._now + FURTHEST
+        if self._end is not None and self._end <= near:
+            name, tick = "cert_finish", self._end
+            self._renew_at = None
+        elif self._end is None and self._horizon is None:
+            name, tick = "cert_rest", None
+            self._renew_at = None
+        else:
+            name, tick = "cert_commit", min(near, _NEVER if self._horizon is None else self._horizon)
+            self._renew_at = tick - FURTHEST // 2 if tick == near else None
+        fields = {} if tick is None else {"clock": tick & _WORD}
+        live.link.transport.send(live.link.command(name, **fields), now=False)
 
     # Time.
 
@@ -308,7 +326,9 @@ class KlipperBoard:
         if live is None or self._state.over:
             return
         try:
-            live.poll(moving=self._state is BoardState.RUNNING)
+            if self._renew_at is not None and self._now >= self._renew_at and self._state is BoardState.RUNNING:
+                self._promise(live)
+            live.poll(moving=any(motor.runs for motor in self._motors))
             now = live.now()
             if self._late(live, now):
                 return

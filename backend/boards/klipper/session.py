@@ -61,7 +61,7 @@ FIRST_READINGS, FIRST_PAUSE = 8, 0.02
 """Readings of the clock when a board is opened, seconds apart."""
 
 POLL, POLL_MOVING = 0.5, 0.1
-"""Seconds between readings of the clock, at rest and in a section: they are what shows that the board goes on."""
+"""Seconds between readings of the clock, at rest and in motion: they are what shows that the board goes on."""
 
 STOP_TIME = 1.0
 """Seconds that a board has to say that it has stopped."""
