@@ -91,6 +91,7 @@ def _lines(machine: Machine, to: str) -> Iterator[str]:
         yield from _axis(axis, to)
     for tool in machine.tools:
         yield from _tool(tool)
+    yield from _records(machine)
     for spindle in machine.spindles:
         yield f"\n[spindles.{spindle.number}]"
         yield from _stated(min_rpm=spindle.min_rpm, max_rpm=spindle.max_rpm)
@@ -118,6 +119,15 @@ def _axis(axis: Axis, to: str) -> Iterator[str]:
     )  # fmt: skip
     if to == "mcuwin":
         yield f'position_unit = "{axis.unit}"'
+
+
+def _records(machine: Machine) -> Iterator[str]:
+    """Tools that only the controller's own table has (McuWIN 2.7): record 0 is none."""
+    listed = {0, *(tool.number for tool in machine.tools)}
+    for one in mcuwin_settings(machine).tools or () if machine.controller.dialect == "mcuwin" else ():
+        if one.plane == "xy" and one.number not in listed:
+            yield f"\n[tools.{one.number}]"
+            yield from _stated(diameter=None if one.radius is None else 2.0 * one.radius)
 
 
 def _tool(tool: Tool) -> Iterator[str]:

@@ -13,6 +13,10 @@ from gproof.ir.target import Style, Target
 _LIST = "Supported G-Codes"
 
 LACKS = {
+    "while": "its programs have no loops (Interface)",
+    "repeat": "its programs have no loops (Interface)",
+    "variable": "its programs have no variables (Interface)",
+    "system_variable": "its programs have no variables (Interface)",
     "question": "no code asks the operator (Supported G-Codes)",
     "choice": "its programs have no conditions (Interface)",
     "cycle_tap_right": "no code follows the turns of the spindle (Supported G-Codes)",

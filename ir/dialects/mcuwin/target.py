@@ -15,6 +15,8 @@ from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.target import Style, Target
 
 LACKS = {
+    "frame_rotate": "no code turns coordinates (3)",
+    "system_variable": "what a variable of the controller holds is known in the run alone (12)",
     "question": "no command asks the operator (5.7)",
     "cycle_tap_right": "no cycle and no move follows the turns of the spindle (3)",
     "cycle_tap_left": "no cycle and no move follows the turns of the spindle (3)",

@@ -11,6 +11,13 @@ from gproof.ir.machine import Machine
 from gproof.ir.target import Style, Target
 
 LACKS = {
+    "frame_select": "it has one zero (G92), and the job selects several work offsets (Workspace)",
+    "frame_select_axes": "it has one zero (G92), and the job selects several work offsets (Workspace)",
+    "choice_else": "an input decides about one line (M17.1)",
+    "while": "the only loop is an array (L10)",
+    "repeat": "the only loop is an array (L10)",
+    "variable": "a job has no variables of its own (Braces)",
+    "system_variable": "a job has no variables of its own (Braces)",
     "cycle_tap_right": "no cycle and no move follows the turns of the spindle (G Codes)",
     "cycle_tap_left": "no cycle and no move follows the turns of the spindle (G Codes)",
     "probe": "only a limit switch ends a move, with M28 (G31, M28)",
