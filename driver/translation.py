@@ -41,13 +41,17 @@ from gproof.ir.translation_map import NO_MAP, TranslationMap
 from gproof.ir.translation_terms import SymbolMeaning, TranslationTerms
 from gproof.ir.verdict import Verdict
 from gproof.passes.legalize.by_map import Mapped, by_map
-from gproof.passes.legalize.context import Lowered, Options
 from gproof.passes.legalize.legalize import Legal, before_refusal, legalize
+from gproof.passes.legalize.options import Lowered, Options
 from gproof.passes.legalize.unset_variables import with_stated
 from gproof.verify.translation.compare import compare
 from gproof.verify.translation.comparison import Comparison, Divergence
 from gproof.verify.translation.words import sentence
 
+SHORT_LINE = 100
+"""Characters below which a line has no room for them."""
+SHORT_DECIMALS = 6
+"""Decimals with ``exact`` then."""
 ROUNDING = 1.02
 """Rounding of sums besides that of the printed digits."""
 EXACT_DECIMALS = 12
@@ -148,10 +152,8 @@ def translate(wanted: Wanted) -> Translation:
     job = before_refusal(legal) if legal.refused else legal.job
     style = given.styled(target.style)
     if wanted.exact:
-        style = replace(
-            style, decimals_mm=EXACT_DECIMALS, decimals_inch=EXACT_DECIMALS, decimals_deg=EXACT_DECIMALS,
-            decimals=EXACT_DECIMALS,
-        )  # fmt: skip
+        most = SHORT_DECIMALS if 0 < style.line_length < SHORT_LINE else EXACT_DECIMALS
+        style = replace(style, decimals_mm=most, decimals_inch=most, decimals_deg=most, decimals=most)
     done.partial = bool(legal.refused)
     try:
         done.files = _files(job, target, to.machine, style, wanted)
@@ -228,6 +230,7 @@ def legal_job(
         axes=frozenset(name for name in AXIS_NAMES if session.machine.axis(name) and machine.axis(name)),
         optional_stop=setup.optional_stop, lengths=lengths_of(session, machine, given),
         measured_tools=rules_named(session.dialect).measured_tools,
+        zeros_end_contours=rules_named(session.dialect).zeros_end_contours,
     )  # fmt: skip
     job = mapped.job
     if wanted.to != session.dialect:

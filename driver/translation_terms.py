@@ -24,12 +24,15 @@ def measured(name: str, other: str, machine: Machine, numbers: Mapping[int, int]
 
     numbers: of tools of the other controller, as this one has them.
     """
-    if not {name, other} <= DIALECTS.keys():
-        return ()
-    if not rules_named(name).measured_tools or rules_named(other).measured_tools:
+    if not _measures(name) or _measures(other):
         return ()
     lengths = {numbers.get(tool.number, tool.number): tool.length for tool in machine.tools if tool.length is not None}
     return tuple(SymbolMeaning(symbol=f"tool.{number}.z", mm=length) for number, length in sorted(lengths.items()))
+
+
+def _measures(name: str) -> bool:
+    """Whether tools have measures in place of lengths, of a controller whose programs gproof reads."""
+    return name in DIALECTS and rules_named(name).measured_tools
 
 
 def own_guards(dialect: str) -> frozenset[str]:

@@ -168,12 +168,14 @@ class DwellFor:
 
 @record(frozen=True, slots=True, kw_only=True)
 class WaitFor:
-    """Wait until an input has a state (on: None: read it at once); timeout: None: for ever."""
+    """Wait until an input has a state (on: None: read it at once); timeout: None: for ever, open: or as long as the
+    controller takes, which its manual does not say."""
 
     channel: Expr
     on: bool | None
     span: Span
     timeout: Quantity | None = None
+    open: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -230,7 +230,8 @@ def _own(node: Node) -> Iterator[str]:
     elif isinstance(node, SwitchOutput):
         yield "output_moving" if node.moving else "output"
     elif isinstance(node, WaitFor):
-        yield "input_read" if node.on is None else "wait" if node.timeout is None else "wait_timeout"
+        unlimited = "wait_open" if node.open else "wait"
+        yield "input_read" if node.on is None else unlimited if node.timeout is None else "wait_timeout"
     else:
         yield from _plain(node)
 

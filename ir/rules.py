@@ -296,7 +296,8 @@ class LanguageRules:
     head and a spindle of its own; arcs_keep_feed: the F of arcs may be kept apart from that of lines
     (``Settings.arcs_share_feed``). straight_traverse: a traverse of several axes is a straight line, None: the manual
     does not say; measured_tools: what is stored of a tool is no length, but the machine position at which its tip is
-    at the work's zero. later: codes that the manual lacks and other versions of the controller have.
+    at the work's zero; zeros_end_contours: motion with feed stops where the zero changes. later:
+    codes that the manual lacks and other versions of the controller have.
     """
 
     name: str
@@ -319,6 +320,7 @@ class LanguageRules:
     arcs_keep_feed: bool = False
     straight_traverse: bool | None = None
     measured_tools: bool = False
+    zeros_end_contours: bool = False
     later: frozenset[tuple[str, int]] = frozenset()
     variables: dict[str, str] = field(default_factory=dict, repr=False)
 

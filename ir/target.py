@@ -107,6 +107,7 @@ FEATURES: dict[str, str] = {
     "output": "output",
     "input_read": "input that is read into a variable",
     "wait_timeout": "wait for an input, with a time limit",
+    "wait_open": "wait for an input whose limit the manual does not say",
     "wait": "wait for an input",
     "dwell": "dwell",
     "optional_stop": "optional stop",
@@ -117,6 +118,8 @@ FEATURES: dict[str, str] = {
     "feed_alone": "feed on a line of its own",
     "straight": "straight move with feed",
     "rapid": "rapid",
+    "end_reset_running": "end of program with reset that leaves spindle or coolant on",
+    "end_running": "end of program that leaves spindle or coolant on",
     "end_rests": "end of program that stops spindle and coolant",
     "end_reset": "end of program with reset",
     "end": "end of program",
@@ -167,6 +170,7 @@ class Target:
     those that programs have; path_modes: whether programs say how corners are taken; straight_rapids: rapids of several
     axes are straight lines, None: the manual does not say; offsets: numbers of work offsets; tools: highest number;
     peck_clearance: mm above the last peck at which cycles go on, None: not the same on every machine;
+    ends_with_file: a program may end without a code, which leaves everything as it is;
     spare_offset: the work offset that zeros in machine places use, 0 for none; cycle_returns: cycles can
     end at the height before them; two_ways: a choice can have an other way, too; guards: names of those that it has;
     lacks: feature -> why a construct that nothing rewrites is refused, with the section;
@@ -188,6 +192,7 @@ class Target:
     peck_clearance: float | None = None
     spare_offset: int = 0
     cycle_returns: bool = True
+    ends_with_file: bool = False
     two_ways: bool = True
     axis_channels: bool = False
     guards: frozenset[str] = frozenset()

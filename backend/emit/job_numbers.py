@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from gproof.backend.emit.numbers import number_text
@@ -29,6 +31,20 @@ def rounded(values: Array, decimals: int) -> Array:
 def text_of(value: float, decimals: int) -> str:
     """A number with at most so many decimals."""
     return number_text(float(np.round(value, decimals)) + 0.0, False)
+
+
+def feed_decimals(value: float, decimals: int) -> int:
+    """Decimals of a feed: at least so many, and five digits that count where it is below 1."""
+    return decimals if not 0.0 < value < 1.0 else max(decimals, 4 - math.floor(math.log10(value)))
+
+
+def rounded_feeds(values: Array, decimals: int) -> Array:
+    """Feeds as they are printed, NaN as 0."""
+    known = np.nan_to_num(values)
+    found = rounded(known, decimals)
+    for row in np.flatnonzero((known > 0.0) & (known < 1.0)).tolist():
+        found[row] = np.round(known[row], feed_decimals(float(known[row]), decimals))
+    return found
 
 
 def factor(unit: str, other: str) -> float:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from gproof.frontend.common.raising import Line, Raiser, Unraisable
 from gproof.frontend.common.raising_modes import UNKNOWN_MODE, LineWord, Modes
+from gproof.frontend.eding.raising_inputs import by_inputs
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     AllowOverrides,
@@ -230,9 +231,10 @@ class EdingRaiser(Raiser):
             if channel is None or not isinstance(wait, Number | None):
                 raise Unraisable("M56", "an analog input, or a way of waiting that is computed")
             state = 0.0 if wait is None else wait.value
+            wanted = {1.0: True, 2.0: False}.get(state)
             found.append(
                 WaitFor(
-                    channel=channel, on={1.0: True, 2.0: False}.get(state), span=span,
+                    channel=channel, on=wanted, span=span, open=wanted is not None and timeout is None,
                     timeout=None if timeout is None else Quantity(timeout, "s"),
                 )
             )  # fmt: skip
@@ -515,7 +517,7 @@ def _mentions(body: object, number: int) -> bool:
 
 def raise_program(program: Program, machine: Machine) -> Job:
     """A Program of Eding CNC as a Job."""
-    return EdingRaiser(program, machine).job()
+    return by_inputs(EdingRaiser(program, machine).job())
 
 
 def _half(value: Expr) -> Expr:

@@ -41,8 +41,8 @@ IN_PLANE = {"xy": "IJ", "xz": "IK", "yz": "JK"}
 """Centre words by plane, as in DIN 66025 (3.3, 3.7, 3.8)."""
 AXIS_OF = dict(zip(CENTERS, "xyz", strict=True))
 MIRRORED_ARC = "an arc under different factors"
-DIGITS = 9
-"""After the point, of numbers that raising makes from two of the program: far below what any printer has."""
+DIGITS = 12
+"""After the point, of numbers that raising makes from two of the program: as many as any printer has."""
 
 
 def move(
@@ -109,9 +109,7 @@ def _arc(
     if not any(letter in words for letter in letters):
         raise Unraisable(rule.text, "it has no centre (3.3)")
     relative = not places_of_centers(state)
-    zero_before: Any = state.now.own("center")
-    if zero_before == UNKNOWN_MODE:
-        zero_before = (False,) * len(CENTERS)  # none of them is surely 0, which counts where a word is missing
+    zero_before = _zero_centers(state)
     zero_now = list(zero_before)
     center = []
     for letter in letters:
@@ -127,6 +125,12 @@ def _arc(
         center.append(AxisPlace(AXIS_OF[letter], value, relative))
     state.keep(center=tuple(zero_now))
     return ArcTo(to=to, plane=plane, clockwise=rule.function is F.ARC_CW, center=tuple(center), feed=feed, span=span)
+
+
+def _zero_centers(state: McuWinState) -> tuple[bool, bool, bool]:
+    """Whether I, J and K of the arc before were 0, or there was none: False where it depends on the path."""
+    known = state.now.own("center")
+    return known if isinstance(known, tuple) else (False, False, False)
 
 
 def _even_factors(state: McuWinState, plane: str) -> None:
@@ -153,7 +157,7 @@ def places_of_centers(state: McuWinState) -> bool:
 # ---- tables
 
 
-USED = ("feed", "axes", "reflected", "factors", "zero", "center", "centers")
+USED = ("feed", "axes", "reflected", "factors", "zero", "centers")
 """Modes that rows of a table depend on."""
 
 
@@ -257,7 +261,7 @@ def _centres(
         missing = arcs[arrays["centred"][arcs] != 3]
         if len(missing):
             refused[int(missing[0])] = "an arc without I or J", "its centre is a place, and a word is missing (3.3)"
-        return _from_start(arrays, arcs)
+        return _from_start(arrays, arcs, state.own_units.get("X", 1.0) / MM[moves.unit])
     _missing(state, arrays, arcs, refused)
     return ()
 
@@ -266,7 +270,7 @@ def _missing(
     state: McuWinState, arrays: dict[str, Array], arcs: Array, refused: dict[int, tuple[str, str]]
 ) -> None:  # fmt: skip
     """A word that is left out is 0 where that of the arc before was 0 too, or there was none (3.3)."""
-    zero = list(state.now.own("center"))  # type: ignore[call-overload]
+    zero = list(_zero_centers(state))
     for n in (0, 1):
         named = (arrays["centred"][arcs] >> n & 1).astype(np.bool_)
         values = np.where(named, arrays["center"][arcs, n], 0.0)
@@ -280,14 +284,16 @@ def _missing(
     state.keep(center=tuple(zero))
 
 
-def _from_start(arrays: dict[str, Array], arcs: Array) -> list[int]:
-    """Places of centres as distances from the start, where rows before say it; the others."""
+def _from_start(arrays: dict[str, Array], arcs: Array, own: float) -> list[int]:
+    """Places of centres as distances from the start, where rows before say it; the others. own: units of the table in
+    one of the axes, which G00 has (3.1)."""
     open_rows: set[int] = set()
+    places = arrays["to"] * np.where(arrays["kind"] == RAPID, own, 1.0)[:, None]
     for n in (0, 1):
         named = np.flatnonzero(arrays["axes"] >> n & 1)
         last = np.searchsorted(named, arcs, "left") - 1
         known = last >= 0
-        start = arrays["to"][named[last[known]], n]
+        start = places[named[last[known]], n]
         at = arcs[known]
         arrays["center"][at, n] = np.round(arrays["center"][at, n] - start, DIGITS)
         open_rows.update(arcs[~known].tolist())
@@ -296,7 +302,7 @@ def _from_start(arrays: dict[str, Array], arcs: Array) -> list[int]:
         for n in (0, 1):
             named = np.flatnonzero(arrays["axes"][:row] >> n & 1)
             if len(named):
-                arrays["center"][row, n] = np.round(arrays["center"][row, n] + arrays["to"][named[-1], n], DIGITS)
+                arrays["center"][row, n] = np.round(arrays["center"][row, n] + places[named[-1], n], DIGITS)
     return sorted(open_rows)
 
 

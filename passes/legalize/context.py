@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from copy import copy
 from typing import Any
 
 import numpy as np
 
-from gproof.ir.finding import Span
 from gproof.ir.job import (
     MM,
     ArcTo,
@@ -42,59 +41,22 @@ from gproof.ir.job import (
 )
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Expr, Number
-from gproof.ir.record import field, record
 from gproof.ir.target import Target
 from gproof.passes.legalize.constants import constant
+from gproof.passes.legalize.job_axes import axes_of, moved_by
+from gproof.passes.legalize.options import Lowered, Options, Zero
 from gproof.passes.legalize.transform import SAME, Transform, applied, joined
 
+MOST_OFFSETS = 100
+"""Numbers of work offsets are below it."""
 MOST_OPERATIONS = 200_000
 """Operations that loops and routines may be unrolled into."""
 
 
-@record(frozen=True, slots=True, kw_only=True)
-class Options:
-    """chord_tolerance: mm that chords may be off an arc. coolant, tool_change: see ``TranslationMap``; block_delete,
-    optional_stop: whether the switch is on, None: not known; values: variables whose values are stated; axes: names of
-    those that both machines have: the job may leave a zero on one that it does not move; lengths: mm of tools of the
-    target, for one that has no tool lengths; measured_tools: a tool's length counts from its change on."""
-
-    chord_tolerance: float = 0.01
-    coolant: Mapping[str, str] = field(default_factory=dict)
-    tool_change: str = ""
-    block_delete: bool | None = None
-    optional_stop: bool | None = None
-    values: Mapping[int, float] = field(default_factory=dict)
-    axes: frozenset[str] = frozenset()
-    lengths: Mapping[int, float] = field(default_factory=dict)
-    measured_tools: bool = False
-
-
-@record(frozen=True, slots=True)
-class Lowered:
-    """A pattern that was used. times: how often, from the line of ``span`` on."""
-
-    pattern: str
-    feature: str
-    span: Span
-
-
-@record(frozen=True, slots=True)
-class Zero:
-    """The work zero in force. offset: number of the work offset, 0: none of them, but ``places``: by axis (work offset,
-    mm or degrees from it; 0: from machine zero), of axes where that is known."""
-
-    offset: int = 0
-    places: Mapping[str, tuple[int, float]] = field(default_factory=dict)
-
-    def place(self, axis: str) -> tuple[int, float] | None:
-        """Of one axis; None where it is not known."""
-        return (self.offset, 0.0) if self.offset else self.places.get(axis)
-
-
 _KNOWN = (
-    "values", "place", "spindle", "coolant", "switched", "turns", "program_place", "zero", "local_off", "kept", "local",
-    "suspended", "remembered", "moved", "offsets", "selected", "shift", "length", "measuring",
-    "at_machine",
+    "values", "place", "spindle", "coolant", "switched", "uneven", "turns", "program_place", "zero", "local_off",
+    "kept", "local", "suspended", "remembered", "moved", "offsets", "doubtful", "selected", "shift", "length",
+    "measuring", "at_machine",
 )  # fmt: skip
 """What a context knows at a place."""
 
@@ -115,20 +77,24 @@ class TooLong(Exception):
 
 
 class Context:
-    """place: mm or degrees by axis, in the frame in force, of axes whose place is known; values: variables that are;
+    """What is known at a place.
+
+    place: mm or degrees by axis, in the frame in force, of axes whose place is known; values: variables that are;
     spindle: the direction that is known to be in force, else ""; coolant: it may be on; switched: which of both the job
-    may have switched so far; zero: the work zero, and kept ones; local_off: no local offset is in force; spare_used:
-    the spare work offset of the target is; axes: that the job moves; local: mm by axis of the local offset in force,
-    None: not known, suspended: the one that was suspended; remembered: what ``zero_keep`` kept, moved: axes that moved
-    since; settled: a select after which the local offset is brought back; unit: of lengths, as the source has it;
-    offsets: places that the job stored, of offsets that the target does not have, selected: which is in force,
-    shift: mm by axis that the zero is from it, None: not known, placed: what brings one into force; reads_places: what
-    variables hold of the place of an axis is its place; why: a pattern that does not fit says what it lacks; length: mm
-    of the tool that are in the zero of a target without tool lengths, None: not known; length_known: whether it is at
-    the start; measuring: each tool's length counts from its change on; kept_length: what ``zero_keep`` kept of it;
-    keeping: the job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work offset that is
-    the only zero of the target; at_machine: mm by axis from machine zero, of those that went there; as_is: frames and
-    changes that are meant without a length, or have it already, with whether they move the place of Z."""
+    may have switched so far, uneven: on some ways to here alone; zero: the work zero, and kept ones; local_off: no
+    local offset is in force; spare_used: the spare work offset of the target is; axes: that the job moves; local: mm by
+    axis of the local offset in force, None: not known, suspended: the one that was suspended; remembered: what
+    ``zero_keep`` kept, moved: axes that moved since; settled: a select after which the local offset is brought back;
+    unit: of lengths, as the source has it; offsets: places that the job stored, of offsets that the target does not
+    have, doubtful: numbers of those whose places depend on the path, selected: which is in force, shift: mm by axis
+    that the zero is from it, None: not known, placed: what brings one into force; reads_places: what variables hold
+    of the place of an axis is its place; why: a pattern that does not fit says what it lacks; length: mm of the tool
+    that are in the zero of a target without tool lengths, None: not known, length_known: whether it is at the start;
+    measuring: each tool's length counts from its change on; kept_length: what ``zero_keep`` kept of it; keeping: the
+    job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work offset that is the only
+    zero of the target; at_machine: mm by axis from machine zero, of those that went there; as_is: frames and changes
+    that are meant without a length, or have it already, with whether they move the place of Z.
+    """
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
         self.job = job
@@ -139,6 +105,7 @@ class Context:
         self.spindle = ""
         self.coolant = False
         self.switched: set[str] = set()
+        self.uneven: set[str] = set()
         self.turns: dict[str, Transform] = {}
         self.program_place: dict[str, float] = {}
         self.zero = Zero(1)
@@ -154,6 +121,7 @@ class Context:
         self.local: dict[str, float] | None = {}
         self.suspended: dict[str, float] | None = None
         self.offsets: dict[int, dict[str, float]] = {}
+        self.doubtful: set[int] = set()
         self.selected = 1
         self.shift: dict[str, float] | None = {}
         self.placed: SetFrame | None = None
@@ -214,9 +182,13 @@ class Context:
                 del known[key]  # type: ignore[arg-type]
         self.spindle = self.spindle if self.spindle == other["spindle"] else ""
         self.coolant = self.coolant or other["coolant"]
-        if (self.offsets, self.selected) != (other["offsets"], other["selected"]):
-            self.offsets, self.selected = {}, 0
+        for number in self.offsets.keys() | other["offsets"].keys():
+            if self.offsets.get(number) != other["offsets"].get(number):
+                self._doubt(number)
+        self.doubtful |= other["doubtful"]
+        self.selected = self.selected if self.selected == other["selected"] else 0
         self.shift = self.shift if self.shift == other["shift"] else None
+        self.uneven |= other["uneven"] | (self.switched ^ other["switched"])
         self.switched |= other["switched"]
         self.moved |= other["moved"]
         self.program_place = {}
@@ -266,7 +238,7 @@ class Context:
 
     def after(self, node: Node) -> None:
         """Follow an operation that stays as it is."""
-        for axis in _moved_by(node) & self.at_machine.keys():
+        for axis in moved_by(node) & self.at_machine.keys():
             del self.at_machine[axis]
         if isinstance(node, Moves):
             self._after_moves(node)
@@ -281,11 +253,13 @@ class Context:
         elif isinstance(node, SetFrame):
             self._after_frame(node)
         elif isinstance(node, SwitchCoolant):
-            self.coolant = bool(node.mist or node.flood)
+            off = node.mist is False and node.flood is False
+            self.coolant = bool(node.mist or node.flood) or (self.coolant and not off)
             self.switched.add("coolant")
         elif isinstance(node, TurnSpindle):
-            self.switched.add("spindle")
-            self.spindle = self.spindle if node.direction == "speed" else node.direction
+            if node.direction != "speed":
+                self.switched.add("spindle")
+                self.spindle = node.direction
         elif isinstance(node, ParkAt | HomeAxes | ChangeTool | UseLength):
             self.place = {}
             self.moved.update(AXIS_NAMES)
@@ -328,9 +302,11 @@ class Context:
             self.shift = {}
         elif node.action in {"zero_at", "zero_recall"}:
             self.shift = None
-        elif node.action == "zero_shift" and self.shift is not None:
+        elif node.action in {"zero_shift", "local_here"} and self.shift is not None:
             for place in node.places:
-                by = self.mm(place.at)
+                by, here = self.mm(place.at), self.place.get(place.axis)
+                if node.action == "local_here":
+                    by = None if by is None or here is None else here - by
                 if by is None:
                     self.shift = None
                     return
@@ -396,7 +372,9 @@ class Context:
                 self.local = {axis: at for axis, at in self.local.items() if axis not in named}
         else:
             self.place = {}
-            if node.action.startswith(("local", "zero")):
+            if node.action in {"local_off", "local_suspend"}:
+                self.local = {}
+            elif node.action.startswith(("local", "zero")):
                 self.local = None
 
     def loses_local(self, node: SetFrame) -> bool:
@@ -404,7 +382,7 @@ class Context:
         stored there is not in it."""
         is_select = node.action == "select" and node is not self.settled
         number = None if node.number is None else self.value(node.number)
-        if is_select and "frame_select" in self.target.legal and number in self.offsets:
+        if is_select and "frame_select" in self.target.legal and (number in self.offsets or number in self.doubtful):
             return True
         one_offset = "frame_zero_shift" in self.target.legal and "frame_local_here" not in self.target.legal
         return is_select and one_offset and bool(self.local)
@@ -509,12 +487,13 @@ class Context:
         """What these operations may change is not known after them: places, and variables that they write."""
         self.place = {}
         for node in self._all(body, set()):
+            self._forget_device(node)
             if isinstance(node, SetFrame):
                 self.zero, self.local_off = Zero(), False
                 if node.action in {"store", "store_here", "zero_keep"}:
                     self.kept = {}
                 if node.action in {"store", "store_here", "select"}:
-                    self.offsets, self.selected = {}, 0
+                    self._forget_offset(node)
                 if node.action.startswith("zero"):
                     self.shift = None
                 if node.action.startswith(("local", "zero")):
@@ -528,16 +507,47 @@ class Context:
                 self.values.pop(SELECTED, None)
             elif isinstance(node, SetVariable):
                 number = node.target.number
-                if not isinstance(number, Number):
+                if isinstance(number, Number):
+                    self.values.pop(round(number.value), None)
+                else:
                     self.values.clear()
-                    continue
-                self.values.pop(round(number.value), None)
             elif isinstance(node, CountLoop) and isinstance(node.variable.number, Number):
                 self.values.pop(round(node.variable.number.value), None)
             elif isinstance(node, RunRoutine):
                 for target, _ in node.arguments:
                     if isinstance(target.number, Number):
                         self.values.pop(round(target.number.value), None)
+
+    def _doubt(self, number: int) -> None:
+        self.offsets.pop(number, None)
+        self.doubtful.add(number)
+
+    def _forget_offset(self, node: SetFrame) -> None:
+        """An operation on work offsets that runs, or does not."""
+        if node.action == "select":
+            self.selected = 0
+        elif isinstance(node.number, Number):
+            self._doubt(round(node.number.value))
+        else:
+            for number in range(1, MOST_OFFSETS):
+                self._doubt(number)
+
+    def _forget_device(self, node: Node) -> None:
+        """What an operation may switch, or not."""
+        if isinstance(node, TurnSpindle) and node.direction != "speed":
+            self.spindle = ""
+            self.switched.add("spindle")
+        elif isinstance(node, ChangeTool) and node.rests:
+            self.spindle = "off" if self.spindle == "off" else ""
+        elif isinstance(node, SwitchCoolant):
+            self.coolant |= bool(node.mist or node.flood)
+            self.switched.add("coolant")
+
+    @property
+    def may_run(self) -> bool:
+        """Whether the job may have spindle or coolant on here."""
+        turns = "spindle" in self.switched and self.spindle != "off"
+        return turns or ("coolant" in self.switched and self.coolant)
 
     def _all(self, body: Nodes, seen: set[str]) -> Iterable[Node]:
         """Operations of a body and of the routines that it runs."""
@@ -550,31 +560,3 @@ class Context:
     def routine_nodes(self, name: str) -> Iterable[Node]:
         """Operations of a routine and of those that it runs."""
         return self._all(self.job.routines[name].body, {name})
-
-
-def _moved_by(node: Node) -> set[str]:
-    """The axes that an operation may move."""
-    if isinstance(node, MoveTo | ArcTo):
-        return {place.axis for place in node.to}
-    if isinstance(node, Moves):
-        bits = int(np.bitwise_or.reduce(node.rows["axes"]))
-        return {axis for column, axis in enumerate(AXIS_NAMES) if bits & (1 << column)}
-    if isinstance(node, DrillHole):
-        return {node.top.axis, *(place.axis for place in node.at)}
-    quiet = (Remark, SetFeed, DwellFor, SwitchOutput, SwitchCoolant, TurnSpindle, SetFrame, SetVariable)
-    return set() if isinstance(node, quiet) else set(AXIS_NAMES)
-
-
-def axes_of(job: Job) -> tuple[str, ...]:
-    """The axes that a job moves, in their order."""
-    found: set[str] = set()
-    for body in (job.body, *(routine.body for routine in job.routines.values())):
-        for node in walk(body):
-            if isinstance(node, Moves):
-                bits = int(np.bitwise_or.reduce(node.rows["axes"]))
-                found |= {axis for column, axis in enumerate(AXIS_NAMES) if bits & (1 << column)}
-            elif isinstance(node, MoveTo | ArcTo | ParkAt):
-                found |= {place.axis for place in node.to}
-            elif isinstance(node, DrillHole):
-                found |= {node.top.axis, *(place.axis for place in node.at)}
-    return tuple(axis for axis in AXIS_NAMES if axis in found)

@@ -38,6 +38,7 @@ from gproof.ir.job import (
     RunRoutine,
     SetFrame,
     SwitchGuard,
+    SwitchOutput,
     UseLength,
     bodies,
     used_routines,
@@ -48,8 +49,9 @@ from gproof.ir.program import Binary, Number, Unary
 from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
 from gproof.passes.legalize.at_rest import at_rest
-from gproof.passes.legalize.context import Context, Lowered, Options, TooLong
+from gproof.passes.legalize.context import Context, TooLong
 from gproof.passes.legalize.kept import count_kept
+from gproof.passes.legalize.options import Lowered, Options
 from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.patterns.constants import fold
 from gproof.passes.legalize.patterns.lengths import merged
@@ -97,8 +99,9 @@ def legalize(job: Job, target: Target, options: Options) -> Legal:
     same in each run, these are opened: what they do stands one after the other."""
     if "jump" not in target.legal:
         job = structured(job)
-    if "output_moving" not in target.legal:
-        job = at_rest(job)
+    if any(isinstance(node, SwitchOutput) and node.moving for node in _everything(job)):
+        before = "output_moving" not in target.legal
+        job = at_rest(job, before=before, zeros=options.zeros_end_contours)
     opened = Opened()
     legalizer = _Legalizer(job, target, options, opened)
     found = legalizer.run()
@@ -124,6 +127,11 @@ class Opened:
 
     routines: frozenset[str] = frozenset()
     loops: frozenset[tuple[str, int]] = frozenset()
+
+
+def _everything(job: Job) -> Iterator[Node]:
+    for body in (job.body, *(routine.body for routine in job.routines.values())):
+        yield from walk(body)
 
 
 def before_refusal(legal: Legal) -> Job:
@@ -257,6 +265,8 @@ class _Legalizer:
             found.add("guard")
         if isinstance(node, Choice) and node.otherwise and not self.target.two_ways:
             found.add("choice_else")
+        if isinstance(node, EndJob) and not node.rests and self.context.may_run:
+            found |= {"end_reset_running" if node.reset else "end_running"} - self.target.legal.keys()
         if isinstance(node, DrillHole) and node.clearance is not None:
             own, given = self.target.peck_clearance, self.context.mm(node.clearance)
             if own is not None and given is not None and abs(given - own) < SAME_CLEARANCE:

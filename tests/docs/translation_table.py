@@ -43,7 +43,10 @@ NEEDS: dict[str, Callable[[Target], bool]] = {
     "change that stops the spindle -> spindle off, change": lambda target: (
         "tool_change_running" in target.legal or "tool_change" not in target.legal
     ),
-    "change with the spindle running -> change, spindle on": has("tool_change_rests"),
+    "change that leaves the spindle as it is -> change, where it rests": has("tool_change_rests"),
+    "end that leaves spindle or coolant on -> end of the file": lambda target: (
+        target.ends_with_file or "end_running" in target.legal
+    ),
     "zero in one of several places -> its work offset": has("frame_zero_at"),
     "tool length -> shift of the zero": has("frame_zero_shift"),
     "zero while a tool length is in force -> moved by it": has("frame_zero_shift"),

@@ -50,8 +50,10 @@ def at_zero(setup: Setup, dialect: str, seed: int, only: Mapping[str, int]) -> S
         (number, axis): Interval(*(2 * [round(chance.uniform(-50, 50), 3)]))
         for number in range(1, 10) for axis in AXIS_NAMES
     }  # fmt: skip
-    if "work" not in DIALECTS[dialect].frontend.open_offsets:
-        setup = replace(setup, g92={axis: places[only.get(axis, 1), axis] for axis in AXIS_NAMES})
+    if "g92" in DIALECTS[dialect].frontend.open_offsets:
+        # The local offset is the zero in force: of a controller with a table, its first work offset.
+        single = "work" not in DIALECTS[dialect].frontend.open_offsets
+        setup = replace(setup, g92={axis: places[only.get(axis, 1) if single else 1, axis] for axis in AXIS_NAMES})
     return replace(
         setup, work=places, start={axis: Interval(0.0, 0.0) for axis in AXIS_NAMES}, default_offset=0.0,
         default_start=0.0, tool_lengths={number: Interval(*(2 * [10.0 + number])) for number in range(100)},

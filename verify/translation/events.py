@@ -5,6 +5,7 @@ Left out is what changes nothing:
 - a spindle, coolant or output command that repeats the state in force: the device gets the command that it has;
 - a tool that is said twice with nothing in between: it is in the spindle then;
 - a speed for a spindle that rests: the start of the spindle has the speed in force then;
+- a speed right before a command for the spindle at the same place, which has that speed;
 - rows that only say what the rows of moves have in their state and in their numbers (offsets, units, plane, path mode,
   guards, overrides), and messages, which move and switch nothing; a question ends its section and is compared there.
 
@@ -71,6 +72,8 @@ class EventReader:
         self.found: list[Event] = []
         self.rests: set[int] = set()
         self._partial: Event | None = None
+        self._speed_alone: tuple[int, tuple[float, float]] | None = None
+        """Of a speed alone that changed while the spindle turns: the number of its event, the state before it."""
         self._coolant_words = dict(side.terms.coolant) if side.which == 0 else {}
 
     @property
@@ -166,8 +169,17 @@ class EventReader:
 
     def _turn(self, direction: float, speed: float, at: int, place: Place) -> None:
         now = (direction, speed if direction else 0.0)
-        if now != self.spindle:
+        alone = self._speed_alone
+        if alone is not None and alone[0] == len(self.found) - 1 and self.found[-1].at == at:
+            # S before M3, M4 or M5 at one place: one command for the spindle.
+            self.found.pop()
+            self.spindle = alone[1]
+        self._speed_alone = None
+        before = self.spindle
+        if now != before:
             self._add("spindle", now, at, place)
+            if before is not None and direction and before[0] == direction:
+                self._speed_alone = len(self.found) - 1, before
         self.spindle = now
 
     def _cool(self, now: tuple[float, ...], at: int, place: Place) -> None:
@@ -189,9 +201,10 @@ class EventReader:
             self._add("setpoint", (what, float(self.side.channels.get(int(channel), int(channel))), value), at, place)
             return
         self.speed = value
-        if self.spindle is not None and self.spindle[0]:
+        before = self.spindle
+        if before is not None and before[0]:
             self.rests.add(at)
-            self._turn(self.spindle[0], value, at, place)
+            self._turn(before[0], value, at, place)
 
     def _switch(self, channel: int, value: float, text: int, at: int, place: Place) -> None:
         own = self.side.outputs

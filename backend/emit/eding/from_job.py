@@ -135,6 +135,9 @@ class EdingWriter(Rs274Writer):
     def frame(self, node: SetFrame) -> None:
         """G68, G69 (3.4.18), G50, G51 (3.4.13) besides."""
         if node.action == "rotate" and node.angle is not None:
+            # How its X and Y count in G91 is open (3.4.18).
+            self.distances(node.places, node.span)
+            self.flush()
             self.put(ONCE, ["G68", *self.words(node.places), f"R{self.amount(node.angle)}"], node.span)
             self.flush()
         elif node.action == "rotate_off":

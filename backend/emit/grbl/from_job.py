@@ -7,9 +7,9 @@ import textwrap
 from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.rs274.writer import LENGTH, Rs274Writer
 from gproof.ir.finding import Span
-from gproof.ir.job import ChangeTool, Job, Quantity, Remark, SetFrame, SwitchCoolant, UseLength
+from gproof.ir.job import ChangeTool, Job, PauseJob, Quantity, Remark, SetFrame, SwitchCoolant, UseLength
 from gproof.ir.machine import Machine
-from gproof.ir.program import Number
+from gproof.ir.program import Expr, Number
 from gproof.ir.target import Style, Target
 
 _REAL_TIME = str.maketrans({"?": ".", "!": ".", "~": "-", "(": "[", ")": "]", "\t": " "})
@@ -20,6 +20,21 @@ class GrblWriter(Rs274Writer):
     """Lines of at most ``style.line_length`` characters: grbl's buffer of a line is short (Interface)."""
 
     both_coolants = False
+    inserted: Expr | None = None
+    """The tool that the operator has put in at the last stop for one."""
+
+    def pause(self, node: PauseJob) -> None:
+        """M0, with T for a tool."""
+        super().pause(node)
+        self.inserted = self.inserted if node.tool is None else node.tool
+
+    def write(self) -> bytes:
+        """Lines that grbl takes; Unprintable for a longer one."""
+        text = super().write()
+        most = self.style.line_length
+        if most and any(len(line) > most for line in text.splitlines()):
+            raise Unprintable(f"a line of more than {most} characters")
+        return text
 
     def comment(self, text: str) -> str:
         """``(text)``, in ASCII."""
@@ -56,7 +71,8 @@ class GrblWriter(Rs274Writer):
         if not node.on:
             self.put(LENGTH, ["G49"], node.span)
             return
-        number = round(node.tool.value) if isinstance(node.tool, Number) else None
+        named = self.inserted if node.tool is None else node.tool
+        number = round(named.value) if isinstance(named, Number) else None
         tool = next((one for one in self.machine.tools if one.number == number), None)
         if tool is None or tool.length is None:
             raise Unprintable("the length of a tool that the machine file does not have")

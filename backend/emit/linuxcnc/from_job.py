@@ -15,6 +15,7 @@ from gproof.ir.job import (
     ChangeTool,
     Choice,
     DrillHole,
+    DwellFor,
     EndJob,
     Job,
     LeaveRoutine,
@@ -22,6 +23,8 @@ from gproof.ir.job import (
     Moves,
     MoveTo,
     Node,
+    Nodes,
+    PauseJob,
     Remark,
     Routine,
     RunRoutine,
@@ -155,6 +158,15 @@ class LinuxcncWriter(Rs274Writer):
 
     # ---- operations
 
+    def body(self, nodes: Nodes) -> None:
+        """A list of operations; Unprintable for M62 and M63 without a motion after them, with which they act."""
+        for place, node in enumerate(nodes):
+            if isinstance(node, SwitchOutput) and node.moving:
+                after = next((one for one in nodes[place + 1 :] if not _is_plain(one)), None)
+                if not isinstance(after, Moves | MoveTo | ArcTo | DrillHole):
+                    raise Unprintable("an output without stopping motion that no motion certainly follows")
+        super().body(nodes)
+
     def message(self, node: ShowText) -> None:
         """``(MSG,..)``, with values ``(DEBUG,..)``, to the log ``(PRINT,..)`` (Overview, Messages)."""
         word, found = "MSG", []
@@ -242,6 +254,11 @@ def _has_arcs(node: Node) -> bool:
 def _is_still(node: Node) -> bool:
     """Whether an operation moves nothing and holds no others."""
     return not isinstance(node, Moves | MoveTo | ArcTo | DrillHole | Choice | LoopWhile | RunRoutine)
+
+
+def _is_plain(node: Node) -> bool:
+    """Whether an operation neither moves nor stops an axis, and holds no others."""
+    return _is_still(node) and not isinstance(node, PauseJob | EndJob | WaitFor | DwellFor | ChangeTool)
 
 
 def write(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gproof.backend.emit.job_numbers import decimals_of, rounded
+from gproof.backend.emit.job_numbers import decimals_of, rounded, rounded_feeds
 from gproof.backend.emit.plain_lines import plain_lines
 from gproof.ir.columns import Array, Columns
 from gproof.ir.job import ARC_CW, Moves
@@ -67,7 +67,7 @@ def _words(
             slots.append(("R", rounded(rows["radius"], places), by_radius))
     fed = ~np.isnan(rows["feed"])
     if fed.any():
-        slots.append(("F", rounded(np.nan_to_num(rows["feed"]), style.decimals), fed))
+        slots.append(("F", rounded_feeds(rows["feed"], style.decimals), fed))
     given = np.stack([named for _, _, named in slots], axis=1)
     values = np.stack([value for _, value, _ in slots], axis=1)
     letters = np.array([ord(letter) for letter, _, _ in slots], np.uint8)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gproof.backend.emit.job_numbers import decimals_of, factor, text_of
+from gproof.backend.emit.job_numbers import decimals_of, factor, feed_decimals, text_of
 from gproof.backend.emit.job_writer import JobWriter
 from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.rs274.tables import table_text
@@ -166,7 +166,11 @@ class Rs274Writer(JobWriter):
         if feed is None:
             return []
         self.mode("per", feed.per, FEED_MODE, f"G{PER[feed.per]}", span)
-        return [f"F{self.amount(feed.amount)}"]
+        unit = feed.amount.unit
+        value = self.scaled(feed.amount.value, factor(unit, self.state.get("unit", unit) if unit in LENGTHS else unit))
+        if isinstance(value, Number):
+            return [f"F{text_of(value.value, feed_decimals(value.value, decimals_of(self.style, unit)))}"]
+        return [f"F{self.expression(value)}"]
 
     def motion(self, code: float, span: Span, words: list[str], feed: list[str], *, machine: bool = False) -> None:
         """A line of motion; machine: in machine coordinates."""

@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from gproof.backend.emit.job_numbers import decimals_of, factor, text_of
+from gproof.backend.emit.job_numbers import decimals_of, factor, feed_decimals, text_of
 from gproof.backend.emit.job_writer import JobWriter, joined
 from gproof.backend.emit.printer import Unprintable
 from gproof.backend.emit.wincnc.feeds import feed_groups, forget_feeds, needs_feed
 from gproof.backend.emit.wincnc.job_walk import (
+    OPEN_FEED,
     ZERO,
     Rate,
     bits,
@@ -26,8 +27,10 @@ from gproof.backend.emit.wincnc.job_walk import (
     own_zero,
     rate_of,
     shifted_back,
+    zeros_for_a_while,
 )
 from gproof.backend.emit.wincnc.tables import table_text
+from gproof.backend.emit.wincnc.zeros_away import ZerosAway
 from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.job import (
@@ -71,6 +74,7 @@ from gproof.ir.target import Style, Target
 
 UNITS = {"mm": "G22", "inch": "G20", "cm": "G21"}
 CYCLES = {"drill": "G81", "dwell": "G82", "peck": "G83", "chip_break": "G73"}
+BY_WAY = "a feed that depends on the way that the program took"
 NAME = re.compile(r"[^A-Z0-9_]+")
 
 
@@ -87,7 +91,8 @@ class WinCncWriter(JobWriter):
         )
         self.files: dict[str, bytes] = {}
         self.in_file = ""
-        self.cleared = False
+        self.away = ZerosAway({AXIS_NAMES[column] for column, letter in enumerate(self.letters) if letter})
+        self.enough: list[Node] = []
         self.in_structure = False
         self.entries: dict[str, Rate | None] = {}
         self.exits: dict[tuple[str, Rate | None], Rate | None] = {}
@@ -172,6 +177,7 @@ class WinCncWriter(JobWriter):
 
     def body(self, nodes: Nodes) -> None:
         """A list of operations, up to the end of the job."""
+        self.enough += zeros_for_a_while(nodes)
         for place, node in enumerate(nodes):
             if isinstance(node, EndJob) and self._is_last(node):
                 self._end_cycle()
@@ -253,13 +259,15 @@ class WinCncWriter(JobWriter):
         rate: Rate | None = self.state.get("feed")
         if rate is None:
             return []
+        if rate == OPEN_FEED:
+            raise Unprintable(BY_WAY)
         value, unit, per = rate
         if per == "revolution" or (per == "move" and arc):
             raise Unprintable("a feed per revolution, or inverse time of an arc")
         self._per(per)
         value *= factor(unit, self.state.get("unit", unit))
         if per == "move" or needs_feed(self.state, self.groups, value, columns, arc=arc):
-            return [f"F{text_of(value, self.style.decimals)}"]
+            return [f"F{text_of(value, feed_decimals(value, self.style.decimals))}"]
         return []
 
     def _per(self, per: str) -> None:
@@ -324,6 +332,11 @@ class WinCncWriter(JobWriter):
         given = ~np.isnan(node.rows["feed"])
         before: Rate | None = self.state.get("feed")
         start = np.nan
+        if before == OPEN_FEED:
+            before = None
+            moving = node.rows["kind"] != 1
+            if moving.any() and not given[: int(np.argmax(moving)) + 1].any():
+                raise Unprintable(BY_WAY)
         if before is not None and (not given.any() or before[2] == node.per):
             start = before[0] * factor(before[1], node.unit)
         per = node.per if given.any() else before[2] if before is not None else None
@@ -437,14 +450,16 @@ class WinCncWriter(JobWriter):
 
     def frame(self, node: SetFrame) -> None:
         """G92, G92.1, G92.2; G52, G50."""
-        if self.cleared and node.action == "zero_at" and self._is_machine_zero(node):
-            self.cleared = False  # as G92.3 has left it
-            return
-        self.cleared = node.action == "zero_keep"
-        if node.action in {"zero_keep", "zero_recall"} and not self.in_structure:
-            self.command(node.span, "G92.3")
-            self.state["cycle"] = None
-            return
+        if self.in_structure and self.away.keeps and node.action in ZERO:
+            raise Unprintable("a zero that is kept, and changed in a choice")
+        if not self.in_structure and node.action in ZERO:
+            done = self.away.frame(node, any(node is one for one in self.enough))
+            if done.says:
+                self.command(node.span, "G92.3")
+                self.flush()
+                self.state["cycle"] = None
+            if done.over:
+                return
         words = self.words(node.places)
         if node.action in {"local_here", "zero_at", "zero_shift"}:
             code = {"local_here": "G92", "zero_at": "G92.1", "zero_shift": "G92.2"}[node.action]
@@ -459,11 +474,6 @@ class WinCncWriter(JobWriter):
         else:
             raise Unprintable(f"a frame: {node.action}")
         self.state["cycle"] = None
-
-    def _is_machine_zero(self, node: SetFrame) -> bool:
-        """Whether a zero is that of the machine, on all its axes."""
-        named = {place.axis for place in node.places if number(place.at.value) == 0.0}
-        return named >= {AXIS_NAMES[column] for column, letter in enumerate(self.letters) if letter}
 
     # ---- structure
 
@@ -527,7 +537,8 @@ class WinCncWriter(JobWriter):
             text = b"".join(line.lstrip() for line in lines)
             self.files[name] = (b"L92" + ends if zero or self._inner_zero(node.then) else b"") + text
             self.line(f"M98 {name}")
-        self.state = joined(self.state, entry)
+        feeds = self.state.get("feed"), entry.get("feed")
+        self.state = joined(self.state, entry) | {"feed": feeds[0] if feeds[0] == feeds[1] else OPEN_FEED}
 
     def _loose_name(self) -> str:
         taken = {*self.files, *self.names.values(), *self.style.taken}
@@ -567,7 +578,7 @@ class WinCncWriter(JobWriter):
         size = [f"R{node.rows}", f"C{node.columns}", f"X{self.amount(node.dx)}", f"Y{self.amount(node.dy)}"]
         before = self.state.get("feed")
         after = feed_after(node.body, before, self)
-        entry: dict[str, Any] = dict(self.constant) | {"feed": before if after == before else None}
+        entry: dict[str, Any] = dict(self.constant) | {"feed": before if after == before else OPEN_FEED}
         self.say("L10", *size, *end)
         self.state = entry
         self.indented(node.body)

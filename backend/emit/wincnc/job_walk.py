@@ -21,6 +21,7 @@ from gproof.ir.job import (
     Job,
     LoopWhile,
     Moves,
+    MoveTo,
     Node,
     Nodes,
     Remark,
@@ -35,6 +36,8 @@ from gproof.ir.program import Expr, Number
 ZERO = ("local_here", "zero_at", "zero_shift", "zero_keep", "zero_recall")
 Rate = tuple[float, str, str]
 """A feed: number, unit, what it is per."""
+OPEN_FEED: Rate = (-1.0, "", "")
+"""In place of a feed that depends on the way that the program took."""
 
 
 class Walked(Protocol):
@@ -157,8 +160,32 @@ def _all_zeros(nodes: Nodes, job: Job) -> int:
     return count
 
 
+def zeros_for_a_while(nodes: Nodes) -> list[Node]:
+    """Zeros at machine places of some axes, between a zero that is kept and brought back, while no other axis moves:
+    for these it does not matter that G92.3 puts their zeros away too."""
+    found: list[Node] = []
+    kept = False
+    start: SetFrame | None = None
+    for node in nodes:
+        if isinstance(node, SetFrame) and node.action in ZERO:
+            if start is not None and node.action == "zero_recall":
+                found.append(start)
+            start = node if kept and node.action == "zero_at" else None
+            kept = node.action == "zero_keep"
+        elif start is not None and not isinstance(node, Remark) and not _moves_only(node, bits(start.places)):
+            start = None
+    return found
+
+
+def _moves_only(node: Node, columns: int) -> bool:
+    """Whether an operation moves axes of these columns, and no others."""
+    if isinstance(node, Moves):
+        return not int(np.bitwise_or.reduce(node.rows["axes"])) & ~columns
+    return isinstance(node, MoveTo) and not bits(node.to) & ~columns
+
+
 def feed_after(body: Nodes, feed: Rate | None, writer: Walked) -> Rate | None:
-    """The feed in force after operations; what routines start with is noted. None: not known."""
+    """The feed in force after operations; what routines start with is noted. None: the program has given none yet."""
     for node in body:
         if isinstance(node, Moves):
             given = np.flatnonzero(~np.isnan(node.rows["feed"]))
@@ -166,7 +193,7 @@ def feed_after(body: Nodes, feed: Rate | None, writer: Walked) -> Rate | None:
                 feed = float(node.rows["feed"][int(given[-1])]), node.unit, node.per
         elif isinstance(node, RunRoutine):
             known = writer.entries.get(node.name, feed)
-            writer.entries[node.name] = feed if known == feed else None
+            writer.entries[node.name] = feed if known == feed else OPEN_FEED
             key = node.name, feed
             if key not in writer.exits:
                 writer.exits[key] = None
@@ -174,12 +201,12 @@ def feed_after(body: Nodes, feed: Rate | None, writer: Walked) -> Rate | None:
             feed = writer.exits[key]
         elif isinstance(node, Choice):
             ways = {feed_after(part, feed, writer) for part in (node.then, node.otherwise)}
-            feed = ways.pop() if len(ways) == 1 else None
+            feed = ways.pop() if len(ways) == 1 else OPEN_FEED
         elif isinstance(node, RepeatGrid | LoopWhile | CountLoop):
             after = feed_after(node.body, feed, writer)
             if after != feed:
-                feed_after(node.body, None, writer)
-                feed = None
+                feed_after(node.body, OPEN_FEED, writer)
+                feed = OPEN_FEED
         else:
             own = getattr(node, "feed", None)
             if isinstance(own, Feed):

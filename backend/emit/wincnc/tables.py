@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gproof.backend.emit.job_numbers import decimals_of, rounded
+from gproof.backend.emit.job_numbers import decimals_of, rounded, rounded_feeds
 from gproof.backend.emit.plain_lines import plain_lines
 from gproof.backend.emit.wincnc.feeds import State, table_feeds
 from gproof.ir.columns import Array, Columns
@@ -56,7 +56,7 @@ def _words(
     if moves.per == "move":
         said = (rows["kind"] != RAPID) & ~np.isnan(rate)
     if said.any():
-        slots.append(("F", rounded(np.nan_to_num(rate), style.decimals), said))
+        slots.append(("F", rounded_feeds(rate, style.decimals), said))
     given = np.stack([named for _, _, named in slots], axis=1)
     values = np.stack([value for _, value, _ in slots], axis=1)
     letters = np.array([ord(letter) for letter, _, _ in slots], np.uint8)

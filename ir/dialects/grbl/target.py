@@ -56,6 +56,7 @@ TARGET = Target(
     axes=("x", "y", "z"),
     path_modes=False,
     straight_rapids=True,
+    ends_with_file=True,  # a stream of lines (Interface)
     offsets=6,
     spare_offset=6,
     tools=255,

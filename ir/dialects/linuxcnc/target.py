@@ -57,6 +57,7 @@ TARGET = Target(
     variables=(31, 5000),
     path_modes=True,
     straight_rapids=True,
+    ends_with_file=True,  # between percent signs: Overview, File Requirements
     offsets=9,
     spare_offset=9,
     tools=99999,

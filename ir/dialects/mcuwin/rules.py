@@ -175,4 +175,5 @@ MCUWIN = LanguageRules(
     peck_clearance_mm=0.0,
     call_depth=1_000,  # none is stated: the executor's own limit of nested blocks comes first
     straight_traverse=False,  # 3.1: each axis has its own velocity and acceleration
+    zeros_end_contours=True,  # 3.18, 3.19, 3.26
 )

@@ -154,16 +154,19 @@ def _as_row(node: ArcTo, context: Context) -> Moves | None:
     """An arc with known numbers as a table of one row."""
     arrays = MOVE.empty(1)
     unit = next((place.at.unit for place in (*node.to, *node.center) if place.at.unit in MM), "mm")
-    for place in (*node.to, *node.center):
-        value = context.mm(place.at)
-        if value is None or (place in node.to and place.relative):
+    for place in node.to:
+        value, column = context.mm(place.at), AXIS_NAMES.index(place.axis)
+        if value is None or place.relative:
             return None
-        column = AXIS_NAMES.index(place.axis)
-        value /= MM[unit] if column < 3 else 1.0
-        if place in node.center:
-            arrays["center"][0, column], arrays["centred"][0] = value, arrays["centred"][0] | (1 << column)
-        else:
-            arrays["to"][0, column], arrays["axes"][0] = value, arrays["axes"][0] | (1 << column)
+        arrays["to"][0, column] = value / (MM[unit] if column < 3 else 1.0)
+        arrays["axes"][0] |= np.uint8(1 << column)
+    for place in node.center:
+        value, column = context.mm(place.at), AXIS_NAMES.index(place.axis)
+        start = 0.0 if place.relative else context.place.get(place.axis)
+        if value is None or start is None:
+            return None
+        arrays["center"][0, column] = (value - start) / MM[unit]
+        arrays["centred"][0] |= np.uint8(1 << column)
     arrays["kind"][0] = ARC_CW if node.clockwise else ARC_CCW
     arrays["line"][0] = node.span.line
     feed = None if node.feed is None else context.value(node.feed.amount.value)

@@ -84,20 +84,17 @@ def _spindle_off(span: Span, context: Context) -> list[Node]:
 
 
 def change_at_rest(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """A change that leaves the spindle as it is, on a target where it stops: the spindle starts again after it."""
+    """A change that leaves the spindle as it is, on a target where it stops: the same where it rests."""
     if not isinstance(node, ChangeTool) or node.rests or "tool_change_rests" not in context.target.legal:
         return None
     change = replace(node, rests=True)
-    if context.spindle == "off" or "spindle" not in context.switched:
-        return [change]
-    if not context.spindle:
-        return None
-    return [change, TurnSpindle(direction=context.spindle, span=node.span)]
+    return [change] if context.spindle == "off" or "spindle" not in context.switched else None
 
 
 def rest_before_end(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """An end that stops spindle and coolant: both off, then the end."""
-    if not isinstance(node, EndJob):
+    """An end that stops spindle and coolant: both off, then the end. On a way on which the job has started none, there
+    is nothing to be switched off."""
+    if not isinstance(node, EndJob) or context.uneven:
         return None
     found = _spindle_off(node.span, context)
     if context.coolant and "coolant" in context.switched:
@@ -121,6 +118,17 @@ def plain_end(node: Node, feature: str, context: Context) -> list[Node] | None:
     return [replace(node, reset=not node.reset)]
 
 
+def end_that_leaves_on(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """An end after which spindle or coolant stay on, where the target's codes for the end switch them off."""
+    if not isinstance(node, EndJob):
+        return None
+    if node.reset and "end_running" in context.target.legal:
+        return [replace(node, reset=False)]
+    last = next((one for one in reversed(context.job.body) if not isinstance(one, Remark)), None)
+    is_last = isinstance(last, EndJob) and last.span == node.span
+    return [] if is_last and context.target.ends_with_file else None
+
+
 PATTERNS = (
     Pattern(name="coolant -> the other coolant", removes=("mist", "flood"), apply=coolant_by_map, unrolls=True),
     Pattern(name="tool selected early -> at the change", removes=("tool_select",), apply=selected_with_the_change),
@@ -138,12 +146,16 @@ PATTERNS = (
         apply=rest_before_change, unrolls=True,
     ),
     Pattern(
-        name="change with the spindle running -> change, spindle on", removes=("tool_change_running",),
+        name="change that leaves the spindle as it is -> change, where it rests", removes=("tool_change_running",),
         apply=change_at_rest, unrolls=True,
     ),
     Pattern(
         name="end that stops spindle and coolant -> both off, end", removes=("end_rests",), apply=rest_before_end,
         unrolls=True,
+    ),
+    Pattern(
+        name="end that leaves spindle or coolant on -> end of the file", removes=("end_reset_running", "end_running"),
+        apply=end_that_leaves_on,
     ),
     Pattern(name="end -> the end that there is", removes=("end", "end_reset"), apply=plain_end, unrolls=True),
 )  # fmt: skip

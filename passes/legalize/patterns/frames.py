@@ -12,7 +12,8 @@ from gproof.ir.finding import Span
 from gproof.ir.job import AxisPlace, Node, Quantity, SetFrame
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Binary, Expr, Number, Variable
-from gproof.passes.legalize.context import Context, Zero
+from gproof.passes.legalize.context import Context
+from gproof.passes.legalize.options import Zero
 from gproof.passes.legalize.pattern import Pattern
 
 _ACTIONS = {"frame_zero_at", "frame_zero_shift", "frame_zero_keep", "frame_zero_recall", "frame_select_axes"}
@@ -36,7 +37,13 @@ def zero(node: Node, feature: str, context: Context) -> list[Node] | None:
     by = {axis: value for axis, value in moved.items() if value is not None}
     if node.action == "zero_shift" and (not context.local_off or any(context.zero.place(a) is None for a in by)):
         return _shifted_here(node, by, context)
-    places = {axis: place for axis in AXIS_NAMES if (place := context.zero.place(axis)) is not None}
+    local = {} if context.local_off else context.local
+    if local is None:
+        return None
+    places = {
+        axis: (place[0], place[1] + local.get(axis, 0.0))
+        for axis in AXIS_NAMES if (place := context.zero.place(axis)) is not None
+    }  # fmt: skip
     for axis, value in by.items():
         base, before = places.get(axis, (0, 0.0)) if node.action == "zero_shift" else (0, 0.0)
         places[axis] = base, before + value

@@ -94,6 +94,8 @@ def select_with_local(node: Node, feature: str, context: Context) -> list[Node] 
     if not isinstance(node, SetFrame):
         return None
     number = None if node.number is None else context.value(node.number)
+    if number in context.doubtful:
+        return None
     stored = {} if number is None else context.offsets.get(round(number), {})
     if stored and context.local == {}:
         context.settled = again = replace(node)
@@ -113,6 +115,10 @@ def stored_as_zero(node: Node, feature: str, context: Context) -> list[Node] | N
     number = context.value(node.number)
     if number is None or context.local or context.local is None:
         return None
+    if number in context.doubtful:
+        if node.action != "store" or not {place.axis for place in node.places} >= set(context.axes):
+            return None
+        context.doubtful.discard(round(number))
     if node.action == "store":
         places = {place.axis: context.mm(place.at) for place in node.places}
         if any(value is None for value in places.values()):
@@ -172,6 +178,8 @@ def _placed(node: SetFrame, context: Context) -> list[Node]:
     return [node]
 
 
+NOTHING = 1e-9
+"""mm or degrees that a shift and what takes it back differ by rounding."""
 AT_THE_END = -1.0
 """The number under which the zero of the start is brought back: only the end of the job can do it."""
 
@@ -190,8 +198,10 @@ def _again(node: SetFrame, context: Context) -> list[Node] | None:
     places = tuple(
         AxisPlace(axis, Quantity(Number(-by / MM.get(_unit(axis, context), 1.0), node.span), _unit(axis, context)))
         for axis, by in context.shift.items()
-        if by
+        if abs(by) > NOTHING
     )
+    if not places:
+        return []
     return _placed(SetFrame(action="zero_shift", places=places, span=node.span), context)
 
 

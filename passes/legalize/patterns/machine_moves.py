@@ -89,6 +89,7 @@ def kept_as_known(node: Node, feature: str, context: Context) -> list[Node] | No
             return []
         context.kept.pop(key, None)
     elif key in context.kept and context.kept[key][0].offset:
+        context.local = {}  # as it was when the zero was kept
         return [_select(context.kept[key][0].offset, node.span)]
     kept = {_key(one.number, context) for one in context.nodes() if isinstance(one, SetFrame) and _keeps(one)}
     return [replace(node, number=None)] if len(kept) == 1 else None

@@ -43,8 +43,8 @@ from gproof.ir.job import (
 )
 from gproof.ir.program import Binary, Input, Text, Unary
 from gproof.ir.target import Target
-from gproof.passes.legalize.context import Options
 from gproof.passes.legalize.legalize import legalize
+from gproof.passes.legalize.options import Options
 from gproof.passes.legalize.registry import PATTERNS
 
 
@@ -236,11 +236,15 @@ CASES = {
     "change that stops the spindle -> spindle off, change": Case(
         "wincnc", job(spindle("cw"), change(1, rests=True)), "spindle cw; spindle off; change 1", other_target="eding"
     ),
-    "change with the spindle running -> change, spindle on": Case(
-        "eding", job(spindle("cw"), change(1)), "spindle cw; change 1 at rest; spindle cw", other_target="wincnc"
+    "change that leaves the spindle as it is -> change, where it rests": Case(
+        "eding", job(spindle("cw"), spindle("off"), change(1)), "spindle cw; spindle off; change 1 at rest",
+        other_target="wincnc",
     ),
     "end that stops spindle and coolant -> both off, end": Case(
         "mcuwin", job(spindle("cw"), replace(ENDS, rests=True)), "spindle cw; spindle off; EndJob", other_target="eding"
+    ),
+    "end that leaves spindle or coolant on -> end of the file": Case(
+        "linuxcnc", job(spindle("cw"), ENDS), "spindle cw", other=job(spindle("cw"), spindle("off"), ENDS)
     ),
     "end -> the end that there is": Case(
         without("grbl", "end_reset"), job(replace(ENDS, reset=True)), "EndJob", other=job(ENDS)

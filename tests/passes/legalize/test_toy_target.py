@@ -21,8 +21,8 @@ from gproof.driver.session import Session, open_session
 from gproof.driver.translation import raised
 from gproof.ir.finding import Findings
 from gproof.ir.job import Job, Node, SwitchCoolant, TurnSpindle
-from gproof.passes.legalize.context import Options
 from gproof.passes.legalize.legalize import legalize
+from gproof.passes.legalize.options import Options
 from gproof.passes.legalize.registry import PATTERNS
 
 EDING = ROOT / "corpus" / "eding"

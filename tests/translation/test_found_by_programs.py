@@ -1,0 +1,233 @@
+"""What generated programs have found, each in a few lines: expected texts are worked out by hand from the manuals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from gproof.driver.translation import Translation
+from gproof.ir.verdict import Verdict
+
+from .generated.cases import translated, written
+from .generated.writer import Made
+
+EDING = "G17 G21 G90 G94 G54 G40 G49 G80\n"
+MCUWIN = "%JOB\nG90\nG71\nG94\nG17\nG162\nG54\nF300 S3000\n"
+WINCNC = "G22\nG90\nS3000\n"
+EXTENSION = {"eding": ".cnc", "wincnc": ".tap", "mcuwin": ".src"}
+
+
+def translation(folder: Path, dialect: str, to: str, text: str) -> Translation:
+    if dialect == "mcuwin":
+        text = f"{MCUWIN}{text}%\n"
+    else:
+        text = (EDING if dialect == "eding" else WINCNC) + text
+    job = written(Made(dialect, EXTENSION[dialect], text), folder)
+    return translated(job, dialect, to, exact=False)
+
+
+LINES = {
+    "the end of a file stops nothing, M2 does (LinuxCNC Overview, File Requirements; Eding 3.5.1)": (
+        "eding",
+        "linuxcnc",
+        "G0 X1 Y1 Z1\nS1000 M3\nM2\n",
+        ["%", "X1 Y1 Z1", "M3", "%"],
+        ["M2", "M5"],
+    ),
+    "an arc by its radius needs no G91.1 (LinuxCNC G-Codes, G90.1 G91.1)": (
+        "eding",
+        "linuxcnc",
+        "F300\nG0 X0 Y0 Z0\nG2 X5 Y5 R5\nM30\n",
+        ["G2 X5 Y5 R5"],
+        ["G91.1"],
+    ),
+    "a feed below 1 has as many digits that count (3.7: F of a line is in the unit before it)": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z0\nG20 F7.87\nG1 X1\nM30\n",
+        ["F0.30984"],
+        [],
+    ),
+    "the end of a file brings the zero back, without the local one (L92; McuWIN 3.19)": (
+        "wincnc",
+        "mcuwin",
+        "G0 X10 Y0 Z0\nG92 X0\nG0 X5\n",
+        ["G92 X10", "X5", "G54", "M30"],
+        [],
+    ),
+    "a zero that a job leaves behind outlives the file (McuWIN 3.26; L92)": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nG91\nG92 X5\nG90\nG01 X1\nM30\n",
+        ["G92.2 X5", "G1 X1 F300", "L92"],
+        [],
+    ),
+    "G161 after G00, whose places are millimetres: a centre from there (3.1, 3.35)": (
+        "mcuwin",
+        "eding",
+        "G161\nG70 F10\nG00 X50.8 Y0 Z0\nG02 X4 Y0 I3 J0\nM30\n",
+        ["G2 X4 Y0 I1 J0"],
+        [],
+    ),
+    "an arc in a loop has its own centre words (3.3)": (
+        "mcuwin",
+        "eding",
+        "$for CI601 := 1 to 2 do begin\nG00 X0 Y0 Z0\nG01 X(CI601)\nG00 X0\nG02 X10 Y0 I5 J0\n$end;\nM30\n",
+        ["G2 X10 Y0 I5 J0"],
+        [],
+    ),
+    "a wait without a limit reads the input until then (M17; Eding 3.5.9, 4.1)": (
+        "wincnc",
+        "eding",
+        "G0 X0 Y0 Z0\nM17C2\nG0 X1\n",
+        ["P2 M56", "while [#5399 == 0]", "P2 M56", "endwhile"],
+        [],
+    ),
+    "a choice by an input asks as the manual does (M17.1; Eding 3.5.9)": (
+        "wincnc",
+        "eding",
+        "G0 X0 Y0 Z0\nM18.1C2\nG0 X1\n",
+        ["P2 M56", "if [#5399 == 0]", "endif"],
+        [],
+    ),
+    "and back (Eding 3.5.9; M18.1)": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z0\nM56 P2\nif [#5399 == 0]\nG0 X1\nendif\nM30\n",
+        ["M18.1 C2", "X1"],
+        [],
+    ),
+    "an input that is read until it is off is a wait (Eding 3.5.9; M18)": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z0\nM56 P2\nwhile [#5399 == 1]\nM56 P2\nendwhile\nG0 X1\nM30\n",
+        ["M18 C2", "X1"],
+        [],
+    ),
+    "S before M04 is part of it (Eding 3.7; McuWIN 5.4)": (
+        "eding",
+        "mcuwin",
+        "G0 X0 Y0 Z0\nS6000 M3\nG0 X1\nM4 S3000\nG0 X2\nM30\n",
+        ["S6000 M03", "S3000 M04"],
+        [],
+    ),
+    "an output before a zero changes acts at rest after a feed (McuWIN 3.26, 4.11; M11)": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nG01 X1\nM26 105\nG91\nG92 X5\nG90\nG01 X1\nM30\n",
+        ["M11 C5", "G92.2 X5"],
+        [],
+    ),
+    "G92.1 of X after G92 of Y: Y is 10 less 4 from the work offset (G92, G92.1; Eding 3.4.5)": (
+        "wincnc",
+        "eding",
+        "G0 X0 Y10 Z0\nG92 Y4\nG92.1 X30\nG0 X1 Y1\n",
+        ["G92.1", "G10 X30 Y[#5222 + 6] Z#5223 P9 L2", "G59.3", "X1 Y1", "G54"],
+        [],
+    ),
+    "places of centres in Z-X as chords from the right start (3.7, 3.35)": (
+        "mcuwin",
+        "wincnc",
+        "G161\nG18\nG00 X10 Y0 Z0\nG02 Z10 X20 K10 I10\nM30\n",
+        ["X20 Z10"],
+        [],
+    ),
+    "a program that names no work offset starts in that of the machine (McuWIN 3.19)": (
+        "mcuwin",
+        "eding",
+        "G55\nG00 X0 Y0 Z0\nM30\n",
+        ["G55", "G0 X0 Y0 Z0"],
+        [],
+    ),
+    "G68 has its place in G90 (Eding 3.4.18; G52)": (
+        "wincnc",
+        "eding",
+        "G0 X0 Y0 Z0\nG91\nG0 X1\nG90\nG52 I1 J2 A90\nG0 X5 Y5\nG50\nG0 X0 Y0\n",
+        ["G90", "G68 X1 Y2 R90", "G69"],
+        [],
+    ),
+    "M27 before a stop acts at rest: M65 needs no motion after it (LinuxCNC M62 to M65)": (
+        "mcuwin",
+        "linuxcnc",
+        "G00 X0 Y0 Z0\nM27 105\nM00\nG00 X1\nM30\n",
+        ["M65 P5", "M0"],
+        ["M63 P5"],
+    ),
+    "G92.1 of Eding CNC takes away what G92 has added (3.4.23; G92.2)": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z5\nG92 Z1\nG0 Z2\nG92.1\nG54\nG0 X1\nM30\n",
+        ["G92 Z1", "Z2", "G92.2 Z-4", "X1", "L92"],
+        ["G92.2"],
+    ),
+}
+"""By what it is about: from, to, the program after its first lines, lines in their order, lines that are not there."""
+
+
+@pytest.mark.parametrize("about", LINES)
+def test_lines(about: str, tmp_path: Path) -> None:
+    dialect, to, text, expected, absent = LINES[about]
+    done = translation(tmp_path, dialect, to, text)
+    assert [f"{f.code.label} {f.span.line}: {f.message}" for f in done.findings.kept] == []
+    assert done.verdict is Verdict.SAFE
+    lines = [line.strip() for line in done.files[""].decode().splitlines()]
+    place = 0
+    for wanted in expected:
+        found = [n for n, line in enumerate(lines[place:], place) if line == wanted or line.endswith(f" {wanted}")]
+        assert found, f"{wanted} is not there, or too early:\n" + "\n".join(lines)
+        place = found[0] + 1
+    for line in absent:
+        assert line not in lines
+
+
+REFUSED = {
+    "a zero that is kept while X alone gets another one: G92.3 clears all": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nG153\nG92 X5\nG00 X1 Y1\nG154\nG00 X2\nM30\n",
+        "a zero that is kept",
+    ),
+    "a feed that depends on an input: WinCNC says F at a move": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\n$if (X.digib.2) then begin\nF500\n$end;\nG01 X1\nM30\n",
+        "a feed that depends",
+    ),
+    "a tool change while the spindle turns: M6 of Eding CNC stops it": (
+        "wincnc",
+        "eding",
+        "G0 X0 Y0 Z0\nM3\nM6 T2\nG0 X1\n",
+        "tool change that leaves the spindle",
+    ),
+    "a zero of Z at a machine place while a measure of a tool may count": (
+        "wincnc",
+        "mcuwin",
+        "G0 X0 Y0 Z0\nG92.1 Z5\nG0 Z1\n",
+        "work zero set while a tool length",
+    ),
+    "M56 L without Q, whose limit no section says": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z0\nM56 P2 L1\nG0 X1\nM30\n",
+        "wait for an input whose limit",
+    ),
+    "an output that no motion follows in LinuxCNC": (
+        "mcuwin",
+        "linuxcnc",
+        "G00 X0 Y0 Z0\nM26 105\n$if (CD601 > 1) then begin\nG00 X1\n$end;\nM30\n",
+        "an output without stopping motion",
+    ),
+}
+"""By what it is about: from, to, the program after its first lines, and what is named."""
+
+
+@pytest.mark.parametrize("about", REFUSED)
+def test_refused(about: str, tmp_path: Path) -> None:
+    dialect, to, text, named = REFUSED[about]
+    if "CD601" in text:
+        text = f"CD601 := 0\n{text}"
+    done = translation(tmp_path, dialect, to, text)
+    assert done.verdict is Verdict.UNKNOWN
+    assert [f.code.label for f in done.findings.kept][:1] == ["GP703"]
+    assert done.findings.kept[0].message.startswith(named)
