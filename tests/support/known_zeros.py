@@ -44,7 +44,7 @@ def at_known_zero(
 
 
 def at_zero(setup: Setup, dialect: str, seed: int, only: Mapping[str, int]) -> Setup:
-    """The same with a known start, tool and zeros."""
+    """The same with a known start, tool and zeros; with inputs and answers open, as in a proof."""
     chance = random.Random(seed)
     places = {
         (number, axis): Interval(*(2 * [round(chance.uniform(-50, 50), 3)]))
@@ -55,6 +55,7 @@ def at_zero(setup: Setup, dialect: str, seed: int, only: Mapping[str, int]) -> S
         single = "work" not in DIALECTS[dialect].frontend.open_offsets
         setup = replace(setup, g92={axis: places[only.get(axis, 1) if single else 1, axis] for axis in AXIS_NAMES})
     return replace(
-        setup, work=places, start={axis: Interval(0.0, 0.0) for axis in AXIS_NAMES}, default_offset=0.0,
+        setup, inputs={}, outputs={}, virtual={}, answers={}, work=places,
+        start={axis: Interval(0.0, 0.0) for axis in AXIS_NAMES}, default_offset=0.0,
         default_start=0.0, tool_lengths={number: Interval(*(2 * [10.0 + number])) for number in range(100)},
     )  # fmt: skip
