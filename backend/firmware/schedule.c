@@ -77,11 +77,12 @@ uint32_t clock_high(uint32_t *low)
 }
 
 /* A match that came while the handler ran is taken back: it would call the handler again for nothing, before any other.
- * simavr 1.6 loses a match at 0, 1 or 2, and takes back the overflow too: it is left alone then. */
+ * simavr 1.6 loses a match right after the overflow, and takes back the overflow together with the match: near it, and while it
+ * is not counted yet, the match stays. The counter is looked at first, or the overflow could come between the two looks. */
 static inline __attribute__((always_inline)) void set_match(uint16_t at)
 {
-    OCR1A = at < 4 ? 4 : at;
-    if (!(TIFR1 & _BV(TOV1)) && TCNT1 < 0xffe0)
+    OCR1A = at < 16 ? 16 : at;
+    if (TCNT1 < 0xffd0 && !(TIFR1 & _BV(TOV1)))
         TIFR1 = _BV(OCF1A);
 }
 

@@ -9,7 +9,7 @@
  *     after OUT COUNT PIN LEVEL   ... when the output OUT has risen COUNT times more
  *     flush                       writes out the edges, then prints "flushed CYCLE START SPARE": now, when timer 1 began to count, and how
  *                               many bytes of RAM neither data nor stack ever touched
- *     stall MILLISECONDS          the processor stands still for so long of real time
+ *     speed SPEED                 times real time from now on
  * It ends with its standard input. Written for simavr 1.6. */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -43,7 +43,9 @@ static int terminal;
 static bool ready = true; /* the UART takes bytes */
 static avr_irq_t *serial_in;
 static uint8_t levels[96];
-static avr_cycle_count_t timer_began;
+static avr_cycle_count_t timer_began, begun_cycle;
+static struct timespec begun;
+static double speed;
 static struct {
     uint8_t out, in, level;
     uint32_t count;
@@ -120,6 +122,12 @@ static unsigned spare(void)
     return longest;
 }
 
+static void begin_pace(void)
+{
+    clock_gettime(CLOCK_MONOTONIC, &begun);
+    begun_cycle = avr->cycle;
+}
+
 static void obey(const char *line)
 {
     unsigned a, b, c, d;
@@ -127,8 +135,8 @@ static void obey(const char *line)
         set_pin(a, b);
     } else if (sscanf(line, "after %u %u %u %u", &a, &b, &c, &d) == 4) {
         trip.out = a, trip.count = b, trip.in = c, trip.level = d;
-    } else if (sscanf(line, "stall %u", &a) == 1) {
-        usleep(a * 1000);
+    } else if (sscanf(line, "speed %lf", &speed) == 1) {
+        begin_pace();
     } else if (strncmp(line, "flush", 5) == 0) {
         fflush(edges);
         printf("flushed %llu %llu %u\n", (unsigned long long)avr->cycle, (unsigned long long)timer_began, spare());
@@ -208,11 +216,12 @@ static void connect_pins(void)
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), line_full, NULL);
 }
 
-static void keep_pace(double speed, const struct timespec *begun)
+static void keep_pace(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    double ahead = avr->cycle / (speed * HZ) - (now.tv_sec - begun->tv_sec) - (now.tv_nsec - begun->tv_nsec) * 1e-9;
+    double passed = now.tv_sec - begun.tv_sec + (now.tv_nsec - begun.tv_nsec) * 1e-9;
+    double ahead = (avr->cycle - begun_cycle) / (speed * HZ) - passed;
     if (ahead > 0.0005)
         usleep(ahead * 1e6);
 }
@@ -224,7 +233,7 @@ int main(int count, char **words)
     avr_global_logger_set(quiet);
     avr = avr_make_mcu_by_name(words[1]);
     edges = fopen(words[3], "wb");
-    double speed = atof(words[4]);
+    speed = atof(words[4]);
     if (avr == NULL || edges == NULL)
         return 2;
     avr_init(avr);
@@ -233,8 +242,7 @@ int main(int count, char **words)
     memset(avr->data + FIRST_RAM, PAINT, avr->ramend + 1 - FIRST_RAM);
     open_terminal();
     connect_pins();
-    struct timespec begun;
-    clock_gettime(CLOCK_MONOTONIC, &begun);
+    begin_pace();
     for (avr_cycle_count_t next = 0;;) {
         int state = avr_run(avr);
         if (state == cpu_Done || state == cpu_Crashed)
@@ -248,7 +256,7 @@ int main(int count, char **words)
         if (!look_at_input())
             break;
         if (speed > 0)
-            keep_pace(speed, &begun);
+            keep_pace();
     }
     fclose(edges);
     return 0;

@@ -98,7 +98,7 @@ def start(built: dict[str, Path], tmp_path: Path) -> Iterator[Start]:
     """Starts a board; `config` says how many motors it has."""
     running: list[Board] = []
 
-    def begin(chip: str = "328p", *, motors: int = 2, pulse: int = 32, speed: float = 0, plain: bool = False) -> Board:
+    def begin(chip: str = "328p", *, motors: int = 2, pulse: int = 32, speed: float = 1, plain: bool = False) -> Board:
         firmware = built["plain"] if plain else built[chip].with_suffix(".hex")
         running.append(Board(built["runner"], chip, firmware, tmp_path, speed))
         board = running[-1].__enter__()
@@ -164,8 +164,10 @@ def feed(client: Client, base: int, motors: Sequence[Sequence[Run]]) -> None:
         client.send_many([message for *_, message in sent])
 
 
-def at_rest(client: Client, motors: int, steps: Sequence[int]) -> list[Answer]:
-    """What the motors say once each has made so many steps."""
+def at_rest(board: Board, motors: int, steps: Sequence[int]) -> list[Answer]:
+    """What the motors say once each has made so many steps; nothing more has to come in time."""
+    client = board.client
+    board.rush()
     deadline = time.monotonic() + 60
     while True:
         found = [client.ask("cert_get_motor", "cert_motor", oid=motor) for motor in range(motors)]
@@ -246,11 +248,11 @@ def test_blocks_that_were_spoilt_are_asked_for_again(start: Start) -> None:
 # Steps
 
 
-def random_runs(rng: np.random.Generator, runs: int, rate: float) -> list[Run]:
-    """Runs of a motor at about so many steps a second."""
+def random_runs(rng: np.random.Generator, runs: int, rate: float, most: int = 80) -> list[Run]:
+    """Runs of a motor at about so many steps a second, of 10 to `most` steps."""
     found = [Run(20_000, 1)]
     for _ in range(runs):
-        count, add = int(rng.integers(10, 80)), int(rng.integers(-4, 5))
+        count, add = int(rng.integers(10, most)), int(rng.integers(-4, 5))
         interval = int(HZ / rate * rng.uniform(1, 1.06)) - min(0, add * count)
         found.append(Run(interval, count, add, bool(rng.integers(2))))
     return found
@@ -266,7 +268,7 @@ def test_steps_come_on_their_ticks_at_20_kHz_of_all_motors(chip: str, motors: in
     for motor in range(motors):
         client.send_many(messages_of(client, motor, runs[motor]))
     totals = [sum(run.count for run in one) for one in runs]
-    answers = at_rest(client, motors, totals)
+    answers = at_rest(board, motors, totals)
     for motor in range(motors):
         agree(board, motor, base, runs[motor])
         assert answers[motor]["crc"] == crc_of(runs[motor], totals[motor], 7)
@@ -284,7 +286,7 @@ def test_motors_that_step_at_the_same_ticks(chip: str, start: Start) -> None:
     base = open_section(board.client, 4)
     for motor in range(4):
         board.client.send_many(messages_of(board.client, motor, runs))
-    at_rest(board.client, 4, [501] * 4)
+    at_rest(board, 4, [501] * 4)
     for motor in range(4):
         agree(board, motor, base, runs)
 
@@ -295,21 +297,21 @@ def test_pulses_are_as_long_as_the_machine_file_says(pulse: int, start: Start) -
     runs = [Run(20_000, 1), Run(4000, 200), Run(5000, 100, 3, False)]
     base = open_section(board.client, 1)
     board.client.send_many(messages_of(board.client, 0, runs))
-    at_rest(board.client, 1, [301])
+    at_rest(board, 1, [301])
     agree(board, 0, base, runs)
     pulses = board.changes(STEP_PINS[0], 0) - board.changes(STEP_PINS[0])
     assert pulse <= pulses.min() and pulses.max() <= pulse + 640
 
 
-@pytest.mark.parametrize(("chip", "speed"), [("328p", 1.0), ("2560", 1.0)])
-def test_a_stream_longer_than_the_board_stores_comes_while_it_steps(chip: str, speed: float, start: Start) -> None:
-    board = start(chip, motors=4, speed=speed)
+@pytest.mark.parametrize("chip", CHIPS)
+def test_a_stream_longer_than_the_board_stores_comes_while_it_steps(chip: str, start: Start) -> None:
+    board = start(chip, motors=4, speed=0.5)
     client, rng = board.client, np.random.default_rng(5)
-    runs = [random_runs(rng, 50, 5000) for _ in range(4)]
-    base = open_section(client, 4, ahead=0.3)
+    runs = [random_runs(rng, 45, 5000, 160) for _ in range(4)]
+    base = open_section(client, 4, ahead=0.5)
     feed(client, base, runs)
     totals = [sum(run.count for run in one) for one in runs]
-    answers = at_rest(client, 4, totals)
+    answers = at_rest(board, 4, totals)
     for motor in range(4):
         agree(board, motor, base, runs[motor])
         assert answers[motor]["crc"] == crc_of(runs[motor], totals[motor], 7)
@@ -320,11 +322,12 @@ def test_a_new_base_after_a_rest_and_an_interval_that_is_too_long(start: Start) 
     client = board.client
     base = open_section(client, 1)
     client.send_many(messages_of(client, 0, [Run(20_000, 10)]))
-    at_rest(client, 1, [10])
+    at_rest(board, 1, [10])
+    board.say("speed 1")
     again = (client.clock() + HZ // 2) % 2**32
     client.send("reset_step_clock", oid=0, clock=again)
     client.send_many(messages_of(client, 0, [Run(30_000, 5)]))
-    (answer,) = at_rest(client, 1, [15])
+    (answer,) = at_rest(board, 1, [15])
     expected = np.concatenate((base + 20_000 * np.arange(1, 11), again + 30_000 * np.arange(1, 6)))
     errors = board.changes(STEP_PINS[0]) - expected
     assert errors.min() >= EARLIEST and errors.max() <= LATEST
@@ -342,7 +345,8 @@ def test_a_new_base_after_a_rest_and_an_interval_that_is_too_long(start: Start) 
 
 
 def test_the_vector_of_the_page_about_counts_and_crcs(start: Start) -> None:
-    client = start(motors=1).client
+    board = start(motors=1)
+    client = board.client
     runs = [Run(2000, 3, 10), Run(2030, 2, 10), Run(5000, 1, 0, False)]
     known = [crc_of(runs, steps, 7) for steps in (0, 2, 5, 6)]
     assert known == [0x90ADB27D, 0x8028D150, 0x458FEFDE, 0x8E12422E]
@@ -359,7 +363,8 @@ def test_the_vector_of_the_page_about_counts_and_crcs(start: Start) -> None:
     client.send("reset_step_clock", oid=0, clock=base)
     assert client.ask("cert_get_motor", "cert_motor", oid=0)["crc"] == 0x90ADB27D
     client.send_many(messages_of(client, 0, runs))
-    (answer,) = at_rest(client, 1, [6])
+    (answer,) = at_rest(board, 1, [6])
+    board.say("speed 1")
     assert answer["crc"] == 0x8E12422E and answer["pos"] == 4
     assert client.ask("cert_get_identity", "cert_identity")["identity"] == IDENTITY
     client.send("cert_finish", clock=(client.clock() + 1000) % 2**32)
@@ -381,6 +386,7 @@ def test_all_motors_stop_together_where_the_promise_ends(chip: str, start: Start
     for motor in range(3):
         client.send_many(messages_of(client, motor, runs[motor]))
     client.send("cert_commit", clock=(base + end) % 2**32)
+    board.rush()
     reason, clock = stopped(client)
     assert reason == "Promise expired" and end - 64 <= (clock - base) % 2**32 <= end + 640
     state = client.ask("cert_get_state", "cert_state")
@@ -401,10 +407,10 @@ def test_all_motors_stop_together_where_the_promise_ends(chip: str, start: Start
 
 
 def test_an_emergency_stop_leaves_what_was_executed_known(start: Start) -> None:
-    board = start(motors=2, speed=1)
+    board = start(motors=2)
     client = board.client
     runs = [[Run(20_000, 1), Run(1800, 30_000)], [Run(20_000, 1), Run(2500, 9, 1), Run(2509, 20_000, 0, False)]]
-    open_section(client, 2, ahead=0.2)
+    open_section(client, 2)
     for motor in range(2):
         client.send_many(messages_of(client, motor, runs[motor]))
     middle = []
@@ -421,7 +427,7 @@ def test_an_emergency_stop_leaves_what_was_executed_known(start: Start) -> None:
     assert client.ask("stepper_get_position", "stepper_position", oid=1)["pos"] == 10 - (made(board, 1) - 10)
     base = open_section(client, 2, number=9)
     client.send_many(messages_of(client, 0, [Run(20_000, 7)]))
-    (answer, _) = at_rest(client, 2, [7, 0])
+    (answer, _) = at_rest(board, 2, [7, 0])
     assert answer["crc"] == crc_of([Run(20_000, 7)], 7, 9)
     assert (board.changes(STEP_PINS[0])[-7:] - base - 20_000 * np.arange(1, 8)).max() <= LATEST
 
@@ -469,6 +475,7 @@ def test_the_plain_profile_is_that_protocol_and_no_more(start: Start) -> None:
     client.send("reset_step_clock", oid=0, clock=base)
     runs = [Run(20_000, 3), Run(1000, 300, 2, False)]
     client.send_many(messages_of(client, 0, runs))
+    board.rush()
     while client.ask("stepper_get_position", "stepper_position", oid=0)["pos"] != 3 - 300:
         pass
     agree(board, 0, base, runs)
@@ -488,6 +495,7 @@ def test_outputs_change_at_their_ticks_and_rest_in_a_shutdown(start: Start) -> N
             for n, tick in enumerate(ticks)
         ]
     )
+    board.rush()
     while (client.clock() - base) % 2**32 > 2**31 or client.clock() - base < 500_000:
         pass
     edges = board.edges()
@@ -516,8 +524,10 @@ def test_homing_stops_on_the_edge_and_keeps_the_position(chip: str, start: Start
     messages += [client.encode("endstop_home", oid=3, clock=base, sample_ticks=240, sample_count=4, rest_ticks=1600,
                                pin_value=1, trsync_oid=4, trigger_reason=1)]  # fmt: skip
     client.send_many(messages + messages_of(client, 0, runs[0]) + messages_of(client, 1, runs[1]))
+    board.rush()
     state = client.wait("trsync_state")
     assert (state["can_trigger"], state["trigger_reason"]) == (0, 1)
+    board.say("speed 1")
     rest = client.ask("endstop_query_state", "endstop_state", oid=3)
     assert (rest["homing"], rest["pin_value"]) == (0, 1)
     # Seen at most a look after the edge, and stopped three samples later.
@@ -536,6 +546,7 @@ def test_homing_stops_on_the_edge_and_keeps_the_position(chip: str, start: Start
     before = [made(board, motor) for motor in range(2)]
     client.send("reset_step_clock", oid=0, clock=(client.clock() + HZ) % 2**32)
     client.send("queue_step", oid=0, interval=20_000, count=5, add=0)
+    board.rush()
     while client.ask("stepper_get_position", "stepper_position", oid=0)["pos"] != before[0] + 5:
         pass
     assert [made(board, motor) for motor in range(2)] == [before[0] + 5, before[1]]
@@ -554,6 +565,7 @@ def test_a_move_to_an_endstop_that_does_not_come_ends_by_the_clock(start: Start)
             *messages_of(client, 0, [Run(20_000, 1), Run(3000, 5000)]),
         ]
     )
+    board.rush()
     state = client.wait("trsync_state", where=lambda answer: not answer["can_trigger"])
     assert state["trigger_reason"] == 2 and abs(state["clock"] - base - end) <= LATEST
     assert made(board, 0) == 101
@@ -610,7 +622,7 @@ def test_a_configuration_can_be_undone_in_a_shutdown(start: Start) -> None:
     configure(client, 1, 32)
     base = open_section(client, 1)
     client.send_many(messages_of(client, 0, [Run(20_000, 20)]))
-    at_rest(client, 1, [20])
+    at_rest(board, 1, [20])
     agree(board, 0, base, [Run(20_000, 20)])
 
 
@@ -627,6 +639,7 @@ def test_the_clock_goes_on_after_its_32_bits(chip: str, start: Start) -> None:
     runs = [[Run(20_000, 1)] + [Run(2_000_000_000, 1)] * 2 + [Run(5_000, 2000)], [Run(16_000_000, 290)]]
     for motor in range(2):
         client.send_many(messages_of(client, motor, runs[motor]))
+    board.rush()
     deadline = time.monotonic() + 900
     while client.ask("cert_get_motor", "cert_motor", oid=1)["steps"] < 290 and time.monotonic() < deadline:
         time.sleep(1)
@@ -641,13 +654,13 @@ def test_the_clock_goes_on_after_its_32_bits(chip: str, start: Start) -> None:
 def test_random_streams_of_any_number_of_motors(chip: str, seed: int, start: Start) -> None:
     rng = np.random.default_rng(seed)
     motors = int(rng.integers(1, 5))
-    board = start(chip, motors=motors, pulse=int(rng.integers(16, 160)), speed=1)
+    board = start(chip, motors=motors, pulse=int(rng.integers(16, 160)), speed=0.5)
     client = board.client
     runs = [random_runs(rng, 400 // motors, 20_000 / motors) for _ in range(motors)]
     base = open_section(client, motors, ahead=0.3)
     feed(client, base, runs)
     totals = [sum(run.count for run in one) for one in runs]
-    answers = at_rest(client, motors, totals)
+    answers = at_rest(board, motors, totals)
     for motor in range(motors):
         agree(board, motor, base, runs[motor])
         assert answers[motor]["crc"] == crc_of(runs[motor], totals[motor], 7)
