@@ -13,6 +13,7 @@ from collections import deque
 from typing import NamedTuple
 
 from gproof.backend.boards.board import BoardError
+from gproof.ir.record import record
 
 WORD = 1 << 32
 DRIFT = 200e-6
@@ -40,11 +41,24 @@ class ClockError(BoardError):
     """The clock is not the one that it was: the board was reset, or is another."""
 
 
+@record(frozen=True, slots=True)
+class Steadiness:
+    """How far a clock may be off: of what the board states, and from its own average; parts of one."""
+
+    limit: float = RATE_LIMIT
+    drift: float = DRIFT
+
+
+CRYSTAL = Steadiness()
+"""Of real boards. A simulation that shares its processor is less steady."""
+
+
 class BoardClock:
     """The clock of a board that states ``frequency`` ticks a second."""
 
-    def __init__(self, frequency: int) -> None:
+    def __init__(self, frequency: int, steadiness: Steadiness = CRYSTAL) -> None:
         self.frequency = frequency
+        self._limit, self._drift = steadiness.limit, steadiness.drift
         self._readings: deque[Reading] = deque(maxlen=KEPT)
         self._first: Reading | None = None
         self._count = 0
@@ -66,7 +80,7 @@ class BoardClock:
         reading = Reading(asked, answered, tick)
         if self._first is None:
             self._first = reading
-        elif tick < self.lower(asked, RATE_LIMIT) or tick > self.upper(answered, RATE_LIMIT):
+        elif tick < self.lower(asked, self._limit) or tick > self.upper(answered, self._limit):
             raise ClockError(
                 f"the board's clock shows {tick} and not {self.lower(asked)} to {self.upper(answered)}: "
                 "it was reset, or runs at another rate than it states"
@@ -110,21 +124,21 @@ class BoardClock:
 
     def rates(self) -> tuple[float, float]:
         """The least and greatest rate that the clock can have from the last reading on, ticks a second."""
-        low, high = self.frequency * (1 - RATE_LIMIT), self.frequency * (1 + RATE_LIMIT)
+        low, high = self.frequency * (1 - self._limit), self.frequency * (1 + self._limit)
         if self._first is not None and self._count > 1:
             ticks = self.last.tick - self._first.tick
             longest, shortest = self.last.answered - self._first.asked, self.last.asked - self._first.answered
             if longest > 0:
-                low = max(low, ticks / longest * (1 - DRIFT))
+                low = max(low, ticks / longest * (1 - self._drift))
             if shortest > 0:
-                high = min(high, ticks / shortest * (1 + DRIFT))
+                high = min(high, ticks / shortest * (1 + self._drift))
         return low, max(low, high)
 
     def lower(self, now: float, slack: float = 0.0) -> int:
         """A tick that the clock shows already at host second ``now``."""
         rate = self.rates()[0] * (1 - slack)
         return max(r.tick + int((now - r.answered) * rate) - 1 if now >= r.answered else r.tick - 1 - int(
-            (r.answered - now) * self.frequency * (1 + RATE_LIMIT + slack)) for r in self._readings)  # fmt: skip
+            (r.answered - now) * self.frequency * (1 + self._limit + slack)) for r in self._readings)  # fmt: skip
 
     def upper(self, now: float, slack: float = 0.0) -> int:
         """A tick that the clock does not show yet at host second ``now``."""

@@ -24,7 +24,7 @@ from gproof.backend.boards.board import (
     Observed,
     Status,
 )
-from gproof.backend.boards.klipper.clock import BoardClock, ClockError
+from gproof.backend.boards.klipper.clock import CRYSTAL, BoardClock, ClockError, Steadiness
 from gproof.backend.boards.klipper.connection import Shutdown
 from gproof.backend.boards.klipper.ledger import MotorLedger
 from gproof.backend.boards.klipper.lines import Line, LineLost
@@ -70,7 +70,7 @@ class KlipperBoard:
     """See the module's text.
 
     connect: opens the line; wiring: pins; pulse, direction_setup: ticks, as the machine file has them; baud: of the
-    line, 0 where it has none. Tick frequency and places are the board's own.
+    line, 0 where it has none; steadiness: of the board's clock. Tick frequency and places are the board's own.
     """
 
     def __init__(
@@ -81,10 +81,12 @@ class KlipperBoard:
         pulse: int = 32,
         direction_setup: int = 80,
         baud: int = 0,
+        steadiness: Steadiness = CRYSTAL,
     ) -> None:
         self._connect = connect
         self._wiring = wiring
         self._pulse, self._setup, self._baud = pulse, direction_setup, baud
+        self._steadiness = steadiness
         self._live: Session | None = None
         self._past: BoardClock | None = None
         self._identity = b""
@@ -143,7 +145,7 @@ class KlipperBoard:
 
     def _reach(self) -> Session:
         """A new session; what the board counted before holds where it is the same power-up."""
-        self._live = live = Session(self._connect(), self._wiring)
+        self._live = live = Session(self._connect(), self._wiring, self._steadiness)
         live.reach()
         past, first = self._past, live.clock.last
         slack = live.clock.frequency // 500
@@ -428,7 +430,10 @@ class KlipperBoard:
         answer, _ = live.shutdown
         word = answer.fields.get("clock")
         near = live.clock.lower(answer.answered)
-        self._stopped_at = live.clock.widened(word, near) if isinstance(word, int) else near
+        # The message that has the clock can be lost; the answers to all others only say that it stopped before.
+        stated = live.clock.widened(word, near) if isinstance(word, int) else None
+        self._stopped_at = near if stated is None else stated
+        latest = live.clock.upper(answer.answered) if stated is None else stated
         self._outbox.clear()
         live.link.transport.forget()
         try:
@@ -438,7 +443,7 @@ class KlipperBoard:
             self._lose(f"{reason}; {error}")
             return
         self._state, self._reason = state, reason
-        self._place(raw, self._stopped_at, live.link.transport.sent)
+        self._place(raw, latest, live.link.transport.sent)
 
     def _place(self, raw: list[int], tick: int, sent: int) -> None:
         """Take what the board counts after a stop at a tick for what was made; sent: messages that it can have."""

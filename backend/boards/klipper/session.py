@@ -7,7 +7,7 @@ firmware has the certification extension (docs/boards.md).
 from __future__ import annotations
 
 from gproof.backend.boards.board import BoardError, Executed
-from gproof.backend.boards.klipper.clock import BoardClock
+from gproof.backend.boards.klipper.clock import CRYSTAL, BoardClock, Steadiness
 from gproof.backend.boards.klipper.connection import Answer, Connection, Shutdown
 from gproof.backend.boards.klipper.dictionary import DictionaryError
 from gproof.backend.boards.klipper.lines import Line, LineLost
@@ -74,10 +74,11 @@ class Session:
     board said that it started. certified: its firmware has the extension.
     """
 
-    def __init__(self, line: Line, wiring: Wiring) -> None:
+    def __init__(self, line: Line, wiring: Wiring, steadiness: Steadiness = CRYSTAL) -> None:
         self.wiring = wiring
         self.link = Connection(line, self._heard)
-        self.clock = BoardClock(1)
+        self.clock = BoardClock(1, steadiness)
+        self._steadiness = steadiness
         self.shutdown: tuple[Answer, str] | None = None
         self.was_reset = False
         self.certified = False
@@ -103,7 +104,7 @@ class Session:
             dictionary.response(name, fields)
         self.leave_shutdown()
         self.was_reset = False
-        self.clock = BoardClock(dictionary.number("CLOCK_FREQ"))
+        self.clock = BoardClock(dictionary.number("CLOCK_FREQ"), self._steadiness)
         for _ in range(FIRST_READINGS):
             self.read_clock()
             until = self.now() + FIRST_PAUSE
