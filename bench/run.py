@@ -23,6 +23,7 @@ from typing import Any
 
 import collisions
 import gouges
+import link
 import loops
 import stock
 import translation
@@ -39,7 +40,7 @@ DIALECTS = {
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")
 """Dialects whose reading is measured."""
-PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges", "stock", "loops", "translate")
+PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges", "stock", "loops", "translate", "link")
 LINES = (2_000, 100_000, 1_000_000)
 SCALE = (10_000, 100_000, 1_000_000, 10_000_000)
 SCALE_SHAPES = ("raster",)
@@ -383,6 +384,9 @@ def main() -> None:
             )  # fmt: skip
             translation.show(rows)
             answer["translate"] = rows
+        if "link" in parts:
+            answer["link"] = link.measured(bench.warm_environment)
+            link.show(answer["link"])
     if asked.json is not None:
         asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")
 

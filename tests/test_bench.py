@@ -71,3 +71,11 @@ def test_programs_that_are_read_have_no_mistakes(tmp_path: Path, dialect: str) -
         path = tmp_path / f"{kind}{parse.SUFFIX[dialect]}"
         parse.write(kind, 30, path)
         parse.load(path)
+
+
+def test_the_link_has_runs_to_carry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "bench")
+    module = bench("link")
+    tables = module.tables(2_500, 0.1)
+    assert [int(t["count"].sum()) for t in tables] == [62] * module.MOTORS
+    assert module.encoding() > 0

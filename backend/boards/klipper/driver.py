@@ -551,6 +551,11 @@ class KlipperBoard:
         done, self._done = self._done, []
         return done
 
+    @property
+    def bytes_sent(self) -> int:
+        """Bytes written to the line since the board was opened."""
+        return self._live.link.transport.counts.bytes_out if self._live is not None else 0
+
     def executed(self) -> tuple[Executed, ...]:
         """See Board; of firmware with the certification extension."""
         return self._executed

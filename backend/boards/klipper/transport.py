@@ -106,6 +106,11 @@ class Transport:
         self._waiting.clear()
 
     @property
+    def next_sequence(self) -> int:
+        """Of the next block."""
+        return self._next
+
+    @property
     def sent(self) -> int:
         """Messages that have gone out, of those given to ``send`` in order."""
         return self._given - len(self._waiting)
