@@ -359,7 +359,8 @@ class Context:
         here = {p.axis: v for p in node.places if (v := self.mm(p.at)) is not None and not p.relative}
         if node.action == "local_here":
             self.local = self.local_after(node)
-            self.place = here
+            named = {place.axis for place in node.places}
+            self.place = {axis: at for axis, at in self.place.items() if axis not in named} | here
         elif node.action == "zero_shift":
             named = {p.axis for p in node.places}
             self.place = {

@@ -161,6 +161,27 @@ LINES = {
         ["G92 Z1", "Z2", "G92.2 Z-4", "X1", "L92"],
         ["G92.2"],
     ),
+    "boring feeds up to the height before it (Eding 3.4.21.8)": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z10\nF100\nG98 G85 X1 Y1 Z-5 R2\nG80\nM30\n",
+        ["X1 Y1", "Z2", "G1 Z-5 F100", "Z10"],
+        ["G0 Z10"],
+    ),
+    "G92 of X leaves the height of Z known: first up, then to the hole (Eding 3.4.21.1; G81)": (
+        "eding",
+        "wincnc",
+        "F100\nG0 X0 Y0 Z0\nG92 X5\nG99 G81 X10 Y0 Z-5 R2\nG80\nM30\n",
+        ["G92 X5", "Z2", "G81 X10 Y0 Z-5 R2 F100"],
+        [],
+    ),
+    "S after a stop, while the spindle turns (Eding 3.5.2; CNC.MAC)": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z0\nS1000 M3\nM0\nS2000\nG0 X1\nM30\n",
+        ["M3", "G4", "S2000", "X1", "M5"],
+        [],
+    ),
 }
 """By what it is about: from, to, the program after its first lines, lines in their order, lines that are not there."""
 

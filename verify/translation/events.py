@@ -201,10 +201,18 @@ class EventReader:
             self._add("setpoint", (what, float(self.side.channels.get(int(channel), int(channel))), value), at, place)
             return
         self.speed = value
-        before = self.spindle
+        before = self.spindle or self._by_outputs()
         if before is not None and before[0]:
             self.rests.add(at)
             self._turn(before[0], value, at, place)
+
+    def _by_outputs(self) -> tuple[float, float] | None:
+        """The direction that outputs which are known say, where nothing else does: after a stop."""
+        own = self.side.outputs
+        on = {one for one in self.side.spindle_channels if self.outputs.get(one)}
+        if not on or set(own.forward) == set(own.backward) or on not in (set(own.forward), set(own.backward)):
+            return None
+        return (1.0 if on == set(own.forward) else -1.0), math.nan
 
     def _switch(self, channel: int, value: float, text: int, at: int, place: Place) -> None:
         own = self.side.outputs

@@ -83,8 +83,11 @@ def back_to_the_top(node: Node, feature: str, context: Context) -> list[Node] | 
     if before > top and node.kind == "peck":
         # Between pecks the tool is at the height that the cycle goes back to.
         return None
+    if before > top and node.kind == "bore_stop":
+        return None  # the spindle starts again at the height before the hole
     if before > top:
-        return [hole, MoveTo(to=(_place(node.top, before),), kind="rapid", span=node.span)]
+        kind = "feed" if node.kind in {"bore", "bore_dwell"} else "rapid"
+        return [hole, MoveTo(to=(_place(node.top, before),), kind=kind, span=node.span)]
     if before < top:
         # The cycle lifts to its top before it goes to the hole.
         return [MoveTo(to=(_place(node.top, top),), kind="rapid", span=node.span), hole]

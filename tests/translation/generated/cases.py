@@ -23,7 +23,7 @@ WRITERS = {"eding": eding.program, "wincnc": wincnc.program, "mcuwin": mcuwin.pr
 DIRECTIONS = [(one, other) for one in WRITERS for other in (*WRITERS, "linuxcnc", "grbl") if one != other]
 
 CANNOT: dict[tuple[str, str], frozenset[str]] = {
-    ("eding", "wincnc"): frozenset({"else", "work", "plane_arc", "optional", "scaled", "limit", "bored"}),
+    ("eding", "wincnc"): frozenset({"reverse", "else", "work", "plane_arc", "optional", "scaled", "limit", "bored"}),
     ("eding", "mcuwin"): frozenset({"length", "wait", "scaled", "machine", "bored"}),
     ("eding", "linuxcnc"): frozenset({"asked", "scaled"}),
     ("eding", "grbl"): frozenset({"asked", "scaled", "wait", "output", "optional"}),
@@ -32,7 +32,7 @@ CANNOT: dict[tuple[str, str], frozenset[str]] = {
     ("wincnc", "linuxcnc"): frozenset({"asked", "expression", "array", "shifted", "placed", "kept"}),
     ("wincnc", "grbl"): frozenset({"asked", "expression", "array", "shifted", "placed", "kept", "output", "wait"}),
     ("mcuwin", "eding"): frozenset({"output", "placed"}),
-    ("mcuwin", "wincnc"): frozenset({"work", "optional", "else"}),
+    ("mcuwin", "wincnc"): frozenset({"reverse", "work", "optional", "else"}),
     ("mcuwin", "linuxcnc"): frozenset({"asked", "placed", "shifted"}),
     ("mcuwin", "grbl"): frozenset({"asked", "placed", "shifted", "output", "optional"}),
 }
@@ -77,7 +77,9 @@ def machine_of(dialect: str) -> Path:
 def made(dialect: str, to: str, seed: int) -> Made:
     """The program of a seed."""
     rng = random.Random(f"{dialect} {to} {seed}")
-    without = frozenset() if rng.random() < 0.125 else CANNOT[dialect, to]
+    # Outputs of the shop turn the spindle: its M4 does not end what M3 has begun.
+    always = CANNOT[dialect, to] & {"reverse"}
+    without = always if rng.random() < 0.125 else CANNOT[dialect, to]
     return WRITERS[dialect](rng, without)
 
 

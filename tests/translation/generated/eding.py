@@ -67,7 +67,7 @@ class Eding(Writer):
         code = rng.choice(("G0", "G1", "G1"))
         shown = "" if code == self.code and self.chance(0.6) else f"{code} "
         feed = f" F{self.text(rng.choice((100, 250, 480.5)) / self.size, 2)}" if self.chance(0.15) else ""
-        devices = f" {rng.choice(('M8', 'M3 S4000', 'M9', 'S2500'))}" if self.chance(0.05) else ""
+        devices = f" {rng.choice(('M8', 'S4000', 'M9', 'S2500'))}" if self.chance(0.05) else ""
         self.say(f"{shown}{self.words()}{feed}{devices}")
         self.code = code
 
@@ -256,7 +256,10 @@ class Eding(Writer):
         self.say(f"G4 P{self.rng.choice((0.5, 1, 0.25))}")
 
     def spindle(self) -> None:
-        self.say(self.rng.choice(("S6000 M3", "M4 S3000", "M5", "S8000", "M3")))
+        line = self.rng.choice(("S6000 M3", "M4 S3000", "M5", "S8000", "M3"))
+        if "reverse" in self.without and line != "S8000":
+            self.say("M5")
+        self.say(line)
 
     def coolant(self) -> None:
         self.say(self.rng.choice(("M8", "M9", "M8") if "mist" in self.without else ("M7", "M8", "M9")))

@@ -241,7 +241,10 @@ class McuWin(Writer):
         self.mode(f"G04 {self.rng.choice((0.5, 1, 0.25))}")
 
     def spindle(self) -> None:
-        self.say(self.rng.choice(("S6000 M03", "M04", "M05", "S8000", "M03")))
+        line = self.rng.choice(("S6000 M03", "M04", "M05", "S8000", "M03"))
+        if "reverse" in self.without and line != "S8000":
+            self.say("M05")
+        self.say(line)
 
     def coolant(self) -> None:
         self.say(self.rng.choice(("M08", "M09")))
