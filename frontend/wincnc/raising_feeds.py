@@ -113,6 +113,10 @@ def give_arc_feed(modes: Modes, rules: FeedRules, columns: int, value: float | E
         return give_feed(modes, rules, columns | 3, value)
     rate = value, modes.unit
     differs = modes.own("feed0") != rate or modes.own("feed1") != rate
+    for column in range(2, AXES) if rules.shared is None else ():
+        # Of axes besides X and Y: that F, or the one of lines.
+        if rules.groups[columns | 3] >> column & 1 and modes.own(f"feed{column}") != rate:
+            modes = modes.with_own(f"feed{column}", None)
     return modes.with_own("arc", rate).with_own("doubt", rules.shared is None and differs)
 
 
@@ -160,13 +164,20 @@ def _filled(rows: Columns, modes: Modes, rules: FeedRules) -> _Filled:
     given = ~np.isnan(feed)
     mask = rows["axes"].astype(np.int64)
     of_lines = given & (~arc | (rules.shared is True))
-    named = np.where(of_lines, np.array(rules.groups)[np.where(arc, mask | 3, mask)], 0)
+    touched = np.array(rules.groups)[np.where(arc, mask | 3, mask)]
+    named = np.where(of_lines, touched, 0)
     columns = []
     for column in range(AXES):
         rate = _usable(modes, rules, f"feed{column}", column)
         start = _number(rate) if rate is not None and rate[1] == modes.unit else np.nan
         at = np.flatnonzero(named >> column & 1)
-        columns.append(_fill(np.full(count, start), at, feed[at]))
+        of_lines_alone = _fill(np.full(count, start), at, feed[at])
+        if column > 1 and rules.shared is None:
+            either = given & arc & (touched >> column & 1 != 0)
+            at = np.flatnonzero((named >> column & 1 != 0) | either)
+            agree = ~either | (of_lines_alone == feed)
+            of_lines_alone = _fill(np.full(count, start), at, np.where(agree, feed, np.nan)[at])
+        columns.append(of_lines_alone)
     own = modes.own("arc")
     usual = (rules.usual[0], rules.unit) if own is None else _usable(modes, rules, "arc", -1)
     start = _number(usual) if isinstance(usual, tuple) and usual[1] == modes.unit else np.nan
@@ -234,10 +245,13 @@ def after_table(rows: Columns, filled: _Filled, modes: Modes, rules: FeedRules, 
     arc = rows["kind"] >= ARC_CW
     mask = rows["axes"].astype(np.int64)
     of_lines = given & (~arc | (rules.shared is True))
-    named = int(np.bitwise_or.reduce(np.where(of_lines, np.array(rules.groups)[np.where(arc, mask | 3, mask)], 0)))
+    touched = np.array(rules.groups)[np.where(arc, mask | 3, mask)]
+    either = given & arc & (rules.shared is None)
+    named = int(np.bitwise_or.reduce(np.where(of_lines, touched, np.where(either, touched & ~3, 0))))
     for column in range(AXES):
         if named >> column & 1:
-            modes = modes.with_own(f"feed{column}", (float(filled.by_column[column][end]), modes.unit))
+            value = float(filled.by_column[column][end])
+            modes = modes.with_own(f"feed{column}", None if np.isnan(value) else (value, modes.unit))
     if filled.arc_given[end]:
         modes = modes.with_own("arc", (float(filled.arc[end]), modes.unit))
     if rules.shared is None and bool(filled.doubt[end]) != bool(modes.own("doubt")):

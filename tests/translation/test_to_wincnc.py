@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.target_machines import machine_like
 from support.traps import changed, machine_files
 
 from gproof.driver.translation import Translation, Wanted, translate
@@ -190,3 +191,31 @@ def test_an_output_that_runs_the_spindle_there_is_refused(tmp_path: Path) -> Non
     assert done.verdict is Verdict.UNKNOWN and not done.files
     assert [one.code.label for one in done.findings.kept] == ["GP703"] and "output 1" in done.findings.kept[0].message
     assert translated(tmp_path, text, given=TranslationMap(outputs={1: 5}, given=True)).verdict is Verdict.SAFE
+
+
+def test_a_line_after_a_helix_says_its_feed(tmp_path: Path) -> None:
+    """Whether the F of an arc is also that of the lines of its axes, the manual leaves open [Feed Velocity]."""
+    rows = "G0 X0 Y0 Z1\nG1 Z0 F100\nG1 X10 F300\nG2 X20 Y10 I10 Z-1 F200\nG1 Z-2 F100\nX30 F300\n"
+    passes = "G2 X20 Y10 I10 Z[-1 - #1] F200\nG1 Z[-2 - #1] F100\nX10 Y0 F300\n"
+    loop = f"#1 = 0\nwhile [#1 < 2]\n{passes}#1 = [#1 + 1]\nendwhile\n"
+    for text in (rows, f"G0 X10 Y0 Z1\nG1 Z0 F100\n{loop}"):
+        lines = lines_of(translated(tmp_path, f"{MODES}{text}M30\n"))
+        after = [lines[n + 1] for n, line in enumerate(lines) if line.startswith("G2 ")]
+        assert after and all("F100" in line for line in after), lines
+
+
+def test_a_helix_of_wincnc_leaves_the_feed_of_the_next_plunge_open(tmp_path: Path) -> None:
+    """By one reading it is that of the helix, by the other that of the last line: nothing is proven."""
+    for name, data in machine_files("wincnc").items():
+        (tmp_path / name).write_bytes(data)
+    text = "G22\nG90\nG0 X0 Y0 Z5\nG1 Z0 F100\nG1 X10 F300\nG2 X20 Y10 I10 J0 Z-1 F{}\nG1 Z-2\n"
+    machine_to = machine_like(tmp_path / "WINCNC.INI", "eding", tmp_path / "to")
+    for feed, is_proven in ((200, False), (100, True)):
+        job = tmp_path / f"job{feed}.tap"
+        job.write_text(text.format(feed))
+        done = translate(
+            Wanted(
+                job=job, to="eding", machine=tmp_path / "WINCNC.INI", machine_to=machine_to, dialect="wincnc"
+            )
+        )  # fmt: skip
+        assert (done.verdict is Verdict.SAFE) == is_proven, [one.message for one in done.findings.kept]

@@ -44,6 +44,10 @@ def needs_feed(state: State, groups: tuple[int, ...], rate: float, columns: int,
                 keys += [LAST, LINE] if group == groups[0] else [f"f {group}"]
     needed = any(state.get(key) != rate for key in keys)
     state |= dict.fromkeys(keys, rate)
+    for group in groups[1:] if arc else ():
+        if columns & group:
+            # Whether the F of an arc is theirs too, is open.
+            state.pop(f"f {group}", None)
     return needed
 
 
@@ -64,7 +68,9 @@ def table_feeds(rows: Columns, state: State, groups: tuple[int, ...], start: flo
     for key, at in ((LAST, flat | (arc & feed)), (LINE, flat), (ARC, arc & feed)):
         said |= _differs(rate, at, state, key)
     for group in groups[1:]:
-        said |= _differs(rate, feed & ~arc & (mask & group != 0), state, f"f {group}")
+        # Whether the F of an arc that moves them is theirs too, is open: the next line says its own.
+        at = feed & (mask & group != 0)
+        said |= _differs(np.where(arc, np.nan, rate), at, state, f"f {group}") & ~arc
     return rate, said & ~np.isnan(rate)
 
 

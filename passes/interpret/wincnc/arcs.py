@@ -10,7 +10,7 @@ from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.symbolic import Position, Unknown
+from gproof.ir.symbolic import Position, Unknown, Value
 from gproof.ir.symbols import describe
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.core import line_kernels as k
@@ -18,7 +18,7 @@ from gproof.passes.interpret.core.arc_condition import radius_arc_warning
 from gproof.passes.interpret.core.line_kernels import SAME, ZERO_RADIUS, distance
 from gproof.passes.interpret.wincnc.axis_targets import aim, mapped
 from gproof.passes.interpret.wincnc.line_kernels import agreed
-from gproof.passes.interpret.wincnc.moves import feed_word, note_assumptions, switch_output, use_feed
+from gproof.passes.interpret.wincnc.moves import feed_columns, feed_word, note_assumptions, switch_output, use_feed
 from gproof.passes.interpret.wincnc.state import (
     LEANING,
 )
@@ -107,12 +107,24 @@ def _arc_feed(run: WinCncRun, line: Command, moved: set[int]) -> None:
             raise Refusal(codes.ILLEGAL_VALUE.at(line.where("F"), word="F", what=f"a feed of {value:g}"))
         s.feed = math.nan if isinstance(value, Unknown) else value * s.unit
         s.own = s.own.but(arc_feed=s.feed, feed_doubt=share is None and s.own.feeds[:2] != (s.feed, s.feed))
+        if share is None:
+            s.own = s.own.but(feeds=_either_feed(run, moved, value))
     else:
         own = usual_feed(run) if s.own.arc_feed is None else s.own.arc_feed
         last_of_both = s.own.arc_feed is not None and s.own.feed_doubt
         alike = share is False or last_of_both or (s.own.feeds[0] == own and s.own.feeds[1] == own)
         s.feed = own if alike else math.nan
     s.feed_unit = 1.0
+
+
+def _either_feed(run: WinCncRun, moved: set[int], value: Value) -> tuple[float, ...]:
+    """Feeds of lines after an F of an arc that may be theirs too: of axes besides X and Y, whose doubt is apart."""
+    s = run.modal
+    named = feed_columns(wincnc_settings(run.machine), moved) - {0, 1}
+    rates = {column: math.nan if isinstance(value, Unknown) else value * s.scale(column) for column in named}
+    return tuple(
+        feed if column not in rates or rates[column] == feed else math.nan for column, feed in enumerate(s.own.feeds)
+    )
 
 
 def usual_feed(run: WinCncRun) -> float:

@@ -212,8 +212,9 @@ def _unpack(run: WinCncRun, state: LineState, rows: int, first: Span | None) -> 
     run.blocks += ints[k.LINES]
     s.absolute = bool(ints[k.ABSOLUTE])
     if ints[k.LINES]:
-        feeds = s.own.feeds if open_feeds else tuple(floats[k.FEEDS : k.FEEDS + AXES])
         # One object for what is not known: states are compared.
+        feeds = tuple(math.nan if math.isnan(one) else one for one in floats[k.FEEDS : k.FEEDS + AXES])
+        feeds = s.own.feeds if open_feeds else feeds
         lost = (math.nan, math.nan) if ints[k.KEPT] == 2 else None
         center = (floats[k.KEPT_I], floats[k.KEPT_J]) if ints[k.KEPT] == 1 else lost
         arc_feed = None if floats[k.ARC_FEED] < 0 else floats[k.ARC_FEED]

@@ -179,6 +179,13 @@ def run_moves(
                 rate = vf * unit
                 arc_feed = rate
                 doubt = 0 if ints[SHARE] == 0 or (floats[FEEDS] == rate and floats[FEEDS + 1] == rate) else 1
+                if ints[SHARE] < 0:
+                    # Of axes besides X and Y that the arc moves, or that share their feed: that F or the one of lines.
+                    feeds = NEXT
+                    for axis in range(6):
+                        held = floats[FEEDS + axis]
+                        other = axis > 1 and named[moving] & (1 << axis) and held != vf * floats[SCALE + axis]
+                        floats[NEXT + axis] = math.nan if other else held
             else:
                 rate = floats[USUAL] if arc_feed < 0.0 else arc_feed
                 last_of_both = arc_feed >= 0.0 and doubt == 1
@@ -271,7 +278,7 @@ def run_moves(
         if motion <= 2 or ints[ARCS_MODAL]:
             ints[MOTION] = motion
             ints[RESET] = 1
-        if has_feed and (motion <= 2 or shares):
+        if feeds == NEXT:
             for axis in range(6):
                 floats[FEEDS + axis] = floats[NEXT + axis]
         ints[DOUBT] = doubt
