@@ -19,7 +19,7 @@ from .test_linuxcnc import REFUSED, peer_moves, same_moves, source_moves, withou
 JOBS = safe_jobs()
 
 GRBL_REFUSED = REFUSED | {
-    "choice", "output", "mist coolant", "optional stop", "axis A", "axis C", "work offset 7",
+    "choice", "output", "mist coolant", "optional stop", "axis A", "axis C", "work offset whose number",
     "feed per revolution", "input",
     "exact stop", "local offset restored", "local offset suspended", "the length of a tool", "variable", "wait",
 }  # fmt: skip
