@@ -30,8 +30,6 @@ def at_known_zero(
     tool, where they are in the zeros of a target that has none: tools keep their numbers here; only: by axis the
     work offset that the one zero of a controller without a table is, of others the first; first: by axis the
     work offset whose place the first one has."""
-    # The proof is for all states of inputs, and all answers.
-    setup = replace(setup, inputs={}, outputs={}, virtual={}, answers={})
     known = at_zero(any_zero(setup, program), program.dialect, seed, only)
     work = known.work | {(1, axis): known.work[number, axis] for axis, number in first.items()}
     known = replace(known, work=work)
