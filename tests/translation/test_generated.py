@@ -58,7 +58,7 @@ def test_a_generated_program_is_proven_and_the_same_or_refused(
 # ---- LinuxCNC's interpreter
 
 
-@pytest.mark.parametrize(("first", "count"), sizes((0, 12), (0, 500)))
+@pytest.mark.parametrize(("first", "count"), sizes((0, 4), (0, 500)))
 @pytest.mark.parametrize(
     ("dialect", "to"), [pair for pair in DIRECTIONS if pair[1] in ("linuxcnc", "grbl")], ids=heading
 )
