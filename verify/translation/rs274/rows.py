@@ -10,6 +10,8 @@ from gproof.ir.columns import Array, Columns, joined
 from gproof.ir.drives import AXES
 from gproof.ir.trace import TRACE_ROW, Affine, Edge, Op, State, Trace, TraceSection, Wait
 
+MANY = 2048
+"""Tables of few rows each that are kept before they become one."""
 Forms = tuple[Affine, Affine, Affine, Affine, Affine, Affine]
 
 
@@ -23,6 +25,7 @@ class Rows:
         self._frames = {self.trace.frames[0]: 0}
         self._states: dict[State, int] = {}
         self._single: list[tuple[object, ...]] = []
+        self._done: list[Columns] = []
         self._parts: list[Columns] = []
         self._start = (tuple(self.place), self.frame(forms))
 
@@ -55,6 +58,9 @@ class Rows:
     def table(self, arrays: Mapping[str, Array]) -> None:
         """Many rows at once."""
         self._flush()
+        if len(self._parts) >= MANY:
+            self._done.append(joined(TRACE_ROW, self._parts))
+            self._parts = []
         self._parts.append(Columns(TRACE_ROW, dict(arrays)))
 
     def last(self) -> dict[str, Array]:
@@ -85,10 +91,11 @@ class Rows:
     def _close(self, edges: tuple[Edge, ...]) -> None:
         self._flush()
         place, frame = self._start
-        rows = joined(TRACE_ROW, self._parts) if self._parts else Columns(TRACE_ROW)
+        parts = [*self._done, *self._parts]
+        rows = joined(TRACE_ROW, parts) if parts else Columns(TRACE_ROW)
         number = len(self.trace.sections)
         self.trace.sections.append(
             TraceSection(number=number, start=place, start_frame=frame, rows=rows, edges=edges)
         )  # fmt: skip
-        self._parts = []
+        self._done, self._parts = [], []
         self.starts_here()
