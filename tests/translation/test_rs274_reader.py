@@ -15,7 +15,7 @@ from gproof.driver.running import execute
 from gproof.driver.session import open_session
 from gproof.driver.translation_traces import any_zero
 from gproof.ir.finding import Findings
-from gproof.ir.machine import Machine
+from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.trace import Op, Trace, Wait
 from gproof.ir.translation_terms import TranslationTerms
 from gproof.ir.verdict import Verdict
@@ -86,7 +86,14 @@ def test_both_readers_agree(name: str, tmp_path: Path) -> None:
 
 
 def test_an_end_without_m30_leaves_everything_on(tmp_path: Path) -> None:
-    same(f"{START}\nM3 S100\nG0 X1\n", tmp_path)
+    same(f"{START}\nM3 S100\nG0 X1\n", tmp_path, GRBL)
+
+
+@pytest.mark.parametrize("text, is_read", [("G0 X1\n", False), ("G0 X1\nM2\n", True), ("%\nG0 X1\n%\n", True)])
+def test_a_file_of_linuxcnc_has_an_end(text: str, is_read: bool) -> None:
+    """M2, M30 or %: rs274 says "File ended with no percent sign or no program end"."""
+    whole = text.replace("G0", f"{START}\nG0")
+    assert bool(read_back({"": whole.encode()}, "job.ngc", LINUXCNC, NO_MACHINE).unread) != is_read
 
 
 @pytest.mark.parametrize("seed", seeds(12, 600))

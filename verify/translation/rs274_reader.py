@@ -79,6 +79,7 @@ class _Reader:
         self.steps = 0
         self.depth = 0
         self.at = 0
+        self.marked = False
         self.plain = PlainLines(*(np.zeros(0, np.int64),) * 4)  # type: ignore[arg-type]
 
     def run(self, text: bytes) -> tuple[tuple[int, str], ...]:
@@ -90,6 +91,8 @@ class _Reader:
             last = self._structured(text)
             self._steps(self.structure.top)
             if not self.now.ended:
+                if self.language.structured and not self.marked:
+                    raise Unread("the end of the file without M2, M30 or %", last)
                 self.now.finish(last, reset=False)
         except Unread as found:
             line = found.line or self.at
@@ -120,6 +123,7 @@ class _Reader:
                 marks = self._other_line(raw, place + 1, marks)
         if marks == 1:
             raise Unread("the second % is missing", count)
+        self.marked = marks > 0
         self.structure.close(count)
         return count
 
