@@ -241,7 +241,8 @@ def legal_job(
 def _mapped(session: Session, target: Target, machine: Machine, wanted: Wanted, given: TranslationMap) -> Mapped:
     """The job in the target's numbers."""
     same = wanted.to == session.dialect
-    return by_map(_without_lengths(raised(session), session, target), given, target, machine, same=same)
+    job = _without_lengths(raised(session), session, target)
+    return by_map(job, given, target, machine, same=same, own=session.machine)
 
 
 def unused_entries(wanted: Wanted, given: TranslationMap) -> set[tuple[str, int]]:

@@ -41,10 +41,13 @@ class Mapped:
     unused: list[tuple[str, int]] = field(default_factory=list)
 
 
-def by_map(job: Job, given: TranslationMap, target: Target, machine: Machine, *, same: bool) -> Mapped:
+def by_map(
+    job: Job, given: TranslationMap, target: Target, machine: Machine, *, same: bool, own: Machine
+) -> Mapped:  # fmt: skip
     """The job in the numbers of the target. same: both machines have one controller, so that numbers without an entry
-    stay as they are; else outputs and inputs need one."""
+    stay as they are; else outputs and inputs need one. own: the machine of the job."""
     mapper = _Mapper(given, target, machine, same)
+    mapper.own_tools = frozenset(tool.number for tool in own.tools) if same else None
     routines = {
         name: replace(routine, body=mapper.body(routine.body)) for name, routine in job.routines.items()
     }  # fmt: skip
@@ -78,6 +81,7 @@ class _Mapper:
         self.target = target
         self.machine = machine
         self.same = same
+        self.own_tools: frozenset[int] | None = None
         self.used: set[tuple[str, int]] = set()
 
     def body(self, nodes: Nodes) -> Nodes:
@@ -122,7 +126,9 @@ class _Mapper:
         if number > self.target.tools:
             return f"tools of {self.target.title} have numbers up to {self.target.tools}"
         known = [tool.number for tool in self.machine.tools]
-        if known and number and number not in known and not self.same:
+        # A job for the same controller may use a tool that its own table lacks, too.
+        is_listed = self.own_tools is None or number in self.own_tools
+        if known and number and number not in known and is_listed:
             return f"the tool table of the target's machine has no tool {number}"
         return ""
 

@@ -112,3 +112,22 @@ def test_a_program_that_is_too_long_for_the_controller_is_refused(tmp_path: Path
     done = translate(dataclasses.replace(wanted))
     assert done.verdict is Verdict.UNKNOWN and not done.files
     assert "a program of this length cannot be translated to McuWIN" in done.findings.kept[0].message
+
+
+def test_a_tool_that_the_other_machine_does_not_have_is_refused_on_the_same_controller_too(tmp_path: Path) -> None:
+    """The machine of the traps has tools 1 to 3; tool 9 is in neither table, and the job says what it means by it."""
+    text = f"{MODES.replace('G18', 'G17')}M6 T{{}}\nG0 X1\nM30\n"
+    for tool, is_refused in ((3, True), (2, False), (9, False)):
+        folder = tmp_path / str(tool)
+        folder.mkdir()
+        (folder / "job.cnc").write_text(text.format(tool))
+        table = machine_files("eding")["machine.toml"].decode()
+        (folder / "machine.toml").write_text(table)
+        begin, end = table.index("[tools.3]"), table.index("[controller]")
+        (folder / "other.toml").write_text(table[:begin] + table[end:])
+        wanted = Wanted(
+            job=folder / "job.cnc", to="eding", machine=folder / "machine.toml", machine_to=folder / "other.toml",
+            dialect="eding",
+        )  # fmt: skip
+        said = [one.message for one in translate(wanted).findings.kept]
+        assert any("has no tool 3" in text for text in said) == is_refused, said
