@@ -20,7 +20,8 @@ EXTENSION = {"eding": ".cnc", "wincnc": ".tap", "mcuwin": ".src"}
 
 def translation(folder: Path, dialect: str, to: str, text: str) -> Translation:
     if dialect == "mcuwin":
-        text = f"{MCUWIN}{text}%\n"
+        head = MCUWIN.replace("G54\n", "") if "G55" in text else MCUWIN
+        text = f"{head}{text}%\n"
     else:
         text = (EDING if dialect == "eding" else WINCNC) + text
     job = written(Made(dialect, EXTENSION[dialect], text), folder)
@@ -214,6 +215,12 @@ REFUSED = {
         "wincnc",
         "G00 X0 Y0 Z0\n$if (X.digib.2) then begin\nF500\n$end;\nG01 X1\nM30\n",
         "a feed that depends",
+    ),
+    "moves in the work offset of the start, then in another one: WinCNC has one zero": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nG55\nG00 X1\nM30\n",
+        "work offset selected",
     ),
     "a tool change while the spindle turns: M6 of Eding CNC stops it": (
         "wincnc",

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gproof.ir.job import MM, AxisPlace, Node, Quantity, SetFrame
+from gproof.ir.job import (
+    MM,
+    ArcTo,
+    AxisPlace,
+    DrillHole,
+    Moves,
+    MoveTo,
+    Node,
+    Nodes,
+    Quantity,
+    RunRoutine,
+    SetFrame,
+    bodies,
+)
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
 from gproof.passes.legalize.context import Context
@@ -23,11 +36,25 @@ def only_offset(node: Node, feature: str, context: Context) -> list[Node] | None
             same = one.number is not None and isinstance(one.number, Number) and one.number.value == number
             if one.action != "select" or not same or one.axes != node.axes:
                 return None
+    if number != 1.0 and _moves_before_select(context.job.body):
+        return None
     context.only = dict.fromkeys(node.axes or AXIS_NAMES, round(number))
     if context.selected != number:
         context.place = {}
     context.selected = round(number)
     return _again(node, context)
+
+
+def _moves_before_select(body: Nodes) -> bool:
+    """Whether a job may move in the work offset of its start before it selects one."""
+    for node in body:
+        if isinstance(node, SetFrame) and node.action == "select":
+            return False
+        if isinstance(node, Moves | ArcTo | DrillHole | RunRoutine) or bodies(node):
+            return True
+        if isinstance(node, MoveTo) and node.frame == "work":
+            return True
+    return False
 
 
 def local_as_shift(node: Node, feature: str, context: Context) -> list[Node] | None:
