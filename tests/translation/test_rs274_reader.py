@@ -91,7 +91,7 @@ def test_an_end_without_m30_leaves_everything_on(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text, is_read", [("G0 X1\n", False), ("G0 X1\nM2\n", True), ("%\nG0 X1\n%\n", True)])
 def test_a_file_of_linuxcnc_has_an_end(text: str, is_read: bool) -> None:
-    """M2, M30 or %: rs274 says "File ended with no percent sign or no program end"."""
+    """M2, M30 or %: rs274 says "File ended with no percent sign or program end"."""
     whole = text.replace("G0", f"{START}\nG0")
     assert bool(read_back({"": whole.encode()}, "job.ngc", LINUXCNC, NO_MACHINE).unread) != is_read
 
