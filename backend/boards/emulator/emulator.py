@@ -35,8 +35,9 @@ IN_FLIGHT = 1 << 16
 class Options:
     """What a board is like.
 
-    frequency: Hz; drift, wander: parts in a thousand million; jitter: nanoseconds that an answer is late at most; window: bytes
-    that it keeps while it is busy; busy: ticks of its main loop for a command; start: what its clock shows first.
+    frequency: Hz; drift, wander: parts in a thousand million; jitter: nanoseconds that an answer is late at most;
+    window: bytes that it keeps while it is busy; busy: ticks of its main loop for a command; start: what its clock
+    shows first.
     """
 
     chip: str = "atmega2560"
