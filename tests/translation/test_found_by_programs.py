@@ -10,6 +10,7 @@ from gproof.driver.translation import Translation
 from gproof.ir.verdict import Verdict
 
 from .generated.cases import translated, written
+from .generated.judged import Figures, judge
 from .generated.writer import Made
 
 EDING = "G17 G21 G90 G94 G54 G40 G49 G80\n"
@@ -259,3 +260,11 @@ def test_refused(about: str, tmp_path: Path) -> None:
     assert done.verdict is Verdict.UNKNOWN
     assert [f.code.label for f in done.findings.kept][:1] == ["GP703"]
     assert done.findings.kept[0].message.startswith(named)
+
+
+def test_an_output_at_the_start_of_a_subprogram_comes_after_motion() -> None:
+    """M12 of WinCNC waits for the axes; M26 and M27 do not: G04 0 before them, wherever the call is (3.5)."""
+    figures = Figures()
+    done = judge("wincnc", "mcuwin", 505, figures)
+    assert done is not None and not figures.wrong
+    assert b"' part0.tap\nG04 0\nM27 107\n" in done.files[""].replace(b"\r\n", b"\n")

@@ -188,6 +188,7 @@ class McuWinWriter(JobWriter):
 
     def open(self, node: Node) -> None:
         """``$if``, ``$while``, ``$repeat``, ``$for``."""
+        self.moved |= not isinstance(node, Choice)  # each pass comes after the one before
         if isinstance(node, Choice):
             self.line(f"$if {self.pascal.condition(node.condition)} then begin")
         elif isinstance(node, LoopWhile) and node.first:
@@ -204,6 +205,7 @@ class McuWinWriter(JobWriter):
 
     def divide(self, node: Choice) -> None:
         """``$end else begin``."""
+        self.moved = True
         self.line("$end else begin")
 
     def close(self, node: Node) -> None:
@@ -226,6 +228,7 @@ class McuWinWriter(JobWriter):
     def routine(self, routine: Routine) -> None:
         """A module with its number, up to M17 (4.10, 4.16)."""
         name = self.names[routine.name]
+        self.moved = True  # where it is called from
         self.line(f"%{name}" if name == routine.name else f"%{name} ' {routine.name}")
         if self.din.version == VERSIONS[1]:
             self.line(f"L{name}")
