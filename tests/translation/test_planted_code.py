@@ -230,6 +230,8 @@ def _alike(one: Pair, answer: translation.Translation, folder: Path) -> bool:
         for inner, text in done.files.items():
             # The peer of LinuxCNC does not read a second %.
             plain_text = text.replace(b"\n%\n", b"\nM2\n").removeprefix(b"%\n") if _has_marks(done) else text
+            if done.target.name == "grbl" and not {b"M2", b"M30"} & set(text.split(b"\n")):
+                plain_text += b"M2\n"  # that it wants an end is LinuxCNC's own rule
             (place / inner if inner else written).write_bytes(plain_text)
         runs.append(_rows(one, written, states))
     return all(

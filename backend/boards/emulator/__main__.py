@@ -33,6 +33,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--profile", choices=("certified", "plain"), default="certified", help="with or without the cert_ commands")
     add("--chip", choices=sorted(CHIPS), default="atmega2560")
     add("--baud", type=int, default=250_000)
+    add("--frequency", type=int, default=16_000_000, metavar="HZ", help="what the clock says that it counts")
     add("--drift", type=float, default=0.0, metavar="PPM", help="how far the clock's rate is off")
     add("--wander", type=float, default=0.0, metavar="PPM", help="how far it moves around that, second by second")
     add("--jitter", type=float, default=0.0, metavar="µS", help="how late an answer is at most")
@@ -96,6 +97,7 @@ def _options(given: argparse.Namespace) -> Options:
         chip=given.chip,
         certified=given.profile == "certified",
         baud=int(_within("--baud", given.baud, 300, 10_000_000)),
+        frequency=int(_within("--frequency", given.frequency, 10_000, 1_000_000_000)),
         window=int(_within("--window", given.window, 64, 1 << 16)),
         busy=int(_within("--busy", given.busy, 0, 1 << 24)),
         drift=round(1000 * _within("--drift", given.drift, -20_000, 20_000)),

@@ -109,10 +109,13 @@ class Chip:
     moves: int
     ports: str
     most_oids: int
-    frequency: int = 16_000_000
+    frequency: int
 
 
-CHIPS = {chip.name: chip for chip in (Chip("atmega2560", 678, "ABCDEFGHJKL", 64), Chip("atmega328p", 122, "BCD", 24))}
+CHIPS = {
+    chip.name: chip
+    for chip in (Chip("atmega2560", 678, "ABCDEFGHJKL", 64, 16_000_000), Chip("atmega328p", 122, "BCD", 24, 16_000_000))
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import random
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gproof.backend.boards.emulator.chip import ChipState, World
 from gproof.backend.boards.emulator.clock import SECOND, Clock
@@ -35,11 +35,13 @@ IN_FLIGHT = 1 << 16
 class Options:
     """What a board is like.
 
-    drift, wander: parts in a thousand million; jitter: nanoseconds that an answer is late at most; window: bytes
-    that it keeps while it is busy; busy: ticks of its main loop for a command; start: what its clock shows first.
+    frequency: Hz; drift, wander: parts in a thousand million; jitter: nanoseconds that an answer is late at most;
+    window: bytes that it keeps while it is busy; busy: ticks of its main loop for a command; start: what its clock
+    shows first.
     """
 
     chip: str = "atmega2560"
+    frequency: int = 16_000_000
     certified: bool = True
     baud: int = 250_000
     window: int = 192
@@ -63,7 +65,7 @@ class Emulator:
         self.log = log or Log()
         self.now = 0
         self.connected = True
-        self._kind = CHIPS[options.chip]
+        self._kind = replace(CHIPS[options.chip], frequency=options.frequency)
         self._language = Language(
             self._kind,
             certified=options.certified,
