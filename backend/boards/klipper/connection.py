@@ -86,6 +86,9 @@ class Connection:
                 continue
             agreed = agreed + 1 if answered == (sequence + 1) & 0x0F else 0
             sequence = answered
+            if not agreed:
+                # A board that had lost step answers a probe twice: without a pause each answer read is the one before.
+                self._drain()
             if agreed > 1:
                 self._drain()
                 self.transport = Transport(sequence, window=64)

@@ -6,8 +6,12 @@ import copy
 from dataclasses import replace
 
 import pytest
+from backend.boards.emulator.emulated_line import EmulatedLine
 from backend.boards.emulator.link_campaign import jobs, judged, ran, schedule, table
 from support.campaigns import sizes
+
+from gproof.backend.boards.emulator.emulator import Emulator, Options
+from gproof.backend.boards.klipper.connection import Connection
 
 
 @pytest.mark.parametrize("count", sizes(12, 5000))
@@ -15,6 +19,16 @@ def test_no_fault_makes_a_wrong_step_or_a_record_that_claims_one(count: int) -> 
     for certified in (False, True):
         for (fault, result), times in sorted(table(range(count), certified=certified).items()):
             print(f"{'certified' if certified else 'plain':9}  {fault:18}  {result:40}  {times:6}")
+
+
+def test_a_board_that_lost_step_is_found() -> None:
+    for rubbish in (b"\xff\xff\xff", b"\x20\x10", b"\x7e\x00", bytes(range(200))):
+        board = Emulator(Options())
+        board.write(rubbish)
+        board.advance(10**9)
+        connection = Connection(EmulatedLine(board), lambda _: None)
+        connection.synchronise()
+        assert connection.identify().version
 
 
 def test_the_judge_sees_what_is_wrong() -> None:
