@@ -9,7 +9,7 @@ from gproof.frontend.mcuwin.pascal_expressions import COMMON, ExpressionParser
 from gproof.frontend.mcuwin.pascal_lexer import Token
 from gproof.frontend.mcuwin.pascal_types import Parameter, Symbol, Type, assignable
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin.pascal import KEYWORDS, SYSTEM_NAMES
+from gproof.ir.dialects.mcuwin.pascal import FUNCTIONS, KEYWORDS, SYSTEM_NAMES
 from gproof.ir.dialects.mcuwin.rules import OFFSETS_AT, PROTECTED
 from gproof.ir.program import (
     Assign,
@@ -162,7 +162,8 @@ class CommandParser(ExpressionParser):
             value, _ = self.number("a time")
             self.closing(opening)
             return (Device(name="wait", arguments=(value,), span=self.lexer.span(token, self.lexer.last)),)
-        return self.unknown(f"the command {token.text!r}")
+        # Names of the language's own functions are printed in lower case.
+        return self.unknown(f"the command {(token.low if token.low in FUNCTIONS else token.text)!r}")
 
     def _call_procedure(self, symbol: Symbol) -> Statements:
         token = self.lexer.take()

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from support.bundles import unpacked
 from support.campaigns import share, sizes
@@ -472,6 +472,7 @@ blanks = st.sampled_from(["", " ", "  ", "\t"])
 
 
 @settings(max_examples=60, deadline=None)
+@example(parts=[(["ROUND", "("], ""), (["step"], "")], section=True)
 @given(st.lists(st.tuples(pascal_words, blanks), min_size=1, max_size=4), st.booleans())
 def test_any_words_of_pascal(tmp_path_factory: pytest.TempPathFactory, parts: Any, section: bool) -> None:
     """Words in any order, most of them nonsense: what is read is printed as itself."""
