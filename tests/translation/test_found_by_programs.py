@@ -30,6 +30,13 @@ def translation(folder: Path, dialect: str, to: str, text: str) -> Translation:
 
 
 LINES = {
+    "G94 takes the feed away, also where it is in force already (LinuxCNC's interpreter)": (
+        "eding",
+        "linuxcnc",
+        "sub p\nG93 G1 X5 F2\nG94 F300\nendsub\nF300\nG0 X0 Y0 Z0\ngosub p\nG91 G3 X6 Y-6 I0 J-6\nM30\n",
+        ["G94 F300", "G91 G3 X6 Y-6 I0 J-6"],
+        ["G91 G94 G3 X6 Y-6 I0 J-6"],
+    ),
     "the end of a file stops nothing, M2 does (LinuxCNC Overview, File Requirements; Eding 3.5.1)": (
         "eding",
         "linuxcnc",

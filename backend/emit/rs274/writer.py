@@ -16,6 +16,7 @@ from gproof.backend.emit.rs274.tables import table_text
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     LENGTHS,
+    RAPID,
     AllowOverrides,
     ArcTo,
     AxisPlace,
@@ -224,14 +225,17 @@ class Rs274Writer(JobWriter):
             if self.state.get("plane") != node.plane:
                 first.append(float(PLANES[node.plane]))
             self.state["plane"] = node.plane
-        if self.state.get("per") != node.per:
+        cuts = node.rows["feed"][node.rows["kind"] > RAPID]
+        # G94 takes the feed away: only with an F, and where a move has the feed before it, its mode is in force.
+        if self.state.get("per") != node.per and len(cuts) and not np.isnan(cuts[0]):
             first.append(float(PER[node.per]))
+            self.state["per"] = node.per
         motion = self.state.get("motion")
         code = int(motion) if motion is not None and motion in {0.0, 1.0, 2.0, 3.0} else None
         text, last = table_text(node, self.style, self.axes, first, code, self.style.indent * self.depth)
         self.out.append(text)
         self.last_line_of, self.commented = int(node.rows["line"][-1]), False
-        self.state |= {"unit": node.unit, "relative": node.relative, "per": node.per, "motion": float(last)}
+        self.state |= {"unit": node.unit, "relative": node.relative, "motion": float(last)}
 
     def hole(self, node: DrillHole) -> None:
         """G73, G74, G81 to G89; words that stay are printed when they change."""
