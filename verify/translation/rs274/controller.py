@@ -52,7 +52,6 @@ class Controller:
         self.series = drilling.Series()
         self.first_hole = True
         self.feed = NAN
-        self.taken = False
         self.speed = NAN
         self.direction = 0
         self.coolant = (0.0, 0.0)
@@ -132,7 +131,6 @@ class Controller:
         per = words.g.get("per")
         if per is not None and (per // 10 != self.per or self.language.structured):
             # LinuxCNC takes the feed away even where the mode stays.
-            self.taken |= self.language.structured and not math.isnan(self.feed)
             self.per, self.feed = per // 10, NAN
             self.now(feed_mode=per // 10)
         feed = words.take("F")
@@ -143,7 +141,7 @@ class Controller:
         unit = {200: 25.4, 210: 1.0}.get(words.g.get("unit", 0), self.unit)
         if unit != self.unit and self.per != 93:
             raise Unread("F in the line of a new unit")
-        self.feed, self.taken = feed, False
+        self.feed = feed
 
     def _speed(self, words: Words, line: int) -> None:
         """S, T."""
@@ -396,8 +394,6 @@ class Controller:
         inverse = self.per == 93 and code > 0
         if inverse and math.isnan(feed):
             raise Unread("a move in inverse time without F")
-        if code and math.isnan(self.feed) and self.taken:
-            raise Unread("a feed move without F after G93, G94 or G95")
         try:
             go(self.rows, zero, manner, np.array([line]), np.array([code]), table[None], np.array([radius]),
                np.array([1.0 if inverse else feed]), turns)  # fmt: skip
