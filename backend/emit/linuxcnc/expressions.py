@@ -58,6 +58,12 @@ def _unary(node: Unary, naming: Naming) -> str:
         return f"ATAN[{within}]/[1] / {DEGREES}"
     if node.operator in ("int", "trunc"):
         return f"FIX[{within}]"
+    if node.operator == "nearest":
+        return f"ROUND[{within}]"
+    if node.operator == "frac":
+        return f"{_operand(node.operand, naming)} - FIX[{within}]"
+    if node.operator == "odd":
+        return f"{_operand(node.operand, naming)} MOD 2"
     if node.operator == "sqr":
         return f"{_operand(node.operand, naming)} ** 2"
     if node.operator == "bool":
