@@ -8,8 +8,8 @@ from backend.streams import FREQUENCY, events_of, merged, runs_of, sections, ste
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gproof.backend.boards import virtual
-from gproof.backend.boards import virtual_kernels as vk
+from gproof.backend.boards import run_kernels as rk
+from gproof.backend.boards import simulated
 from gproof.backend.boards.board import BoardError, BoardState
 from gproof.backend.boards.virtual import HostDelay, VirtualBoard
 from gproof.ir.machine import Board as BoardData
@@ -92,16 +92,16 @@ def test_pulses_are_measured_exactly(section: StreamSection, pulse: int, setup: 
 @given(sections(motors=2), st.lists(st.integers(1, 9000), min_size=1, max_size=8))
 def test_the_kernel_is_the_same_in_both_speeds(section: StreamSection, pauses: list[int]) -> None:
     rings = np.zeros((2, 16, 4), dtype=np.int64)
-    state = np.zeros((2, vk.FIELDS), dtype=np.int64)
+    state = np.zeros((2, rk.FIELDS), dtype=np.int64)
     for m, runs in enumerate(section.runs):
         for k, row in enumerate(runs.rows()):
             rings[m, (k + 11) % 16] = row
-        state[m, vk.HEAD], state[m, vk.SIZE] = 11, len(runs)
+        state[m, rk.HEAD], state[m, rk.SIZE] = 11, len(runs)
     slow, fast, now = state.copy(), state.copy(), 0
     for pause in pauses:
         now += pause
-        vk.advance.python(rings, slow, now, 20, 30)
-        vk.advance.compiled()(rings, fast, now, 20, 30)
+        rk.advance.python(rings, slow, now, 20, 30)
+        rk.advance.compiled()(rings, fast, now, 20, 30)
         assert np.array_equal(slow, fast)
 
 
@@ -199,7 +199,7 @@ class Clock:
 
 def test_real_time_follows_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = Clock()
-    monkeypatch.setattr(virtual, "time", clock)
+    monkeypatch.setattr(simulated, "time", clock)
     board = VirtualBoard(1, tick_frequency=FREQUENCY, real_time=True, speed=2.0)
     board.open()
     base = board.start_section(0, (0,), 1_000_000)

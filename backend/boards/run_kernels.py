@@ -1,4 +1,4 @@
-"""The virtual board's step generator: whole runs consumed by arithmetic, exact to the tick.
+"""Steps of boards without hardware: whole runs consumed by arithmetic, exact to the tick.
 
 ``rings[motor, place]`` holds (interval, count, add, direction); ``state[motor]`` the columns below.
 """
