@@ -115,10 +115,11 @@ def _wincnc() -> Target:
 
 
 def _wincnc_of(target: Target, machine: Machine, files: Sequence[Path], source: str) -> Target:
+    from gproof.frontend.wincnc.load import one_way_next_to
     from gproof.frontend.wincnc.mac_file import commands_next_to
     from gproof.ir.dialects.wincnc.target import adapted
 
-    return adapted(target, machine, commands_next_to(files, machine))
+    return adapted(target, machine, commands_next_to(files, machine), one_way_next_to(files, machine))
 
 
 def _write_wincnc(job: Job, target: Target, machine: Machine, style: Style) -> dict[str, bytes]:

@@ -100,6 +100,7 @@ FEATURES: dict[str, str] = {
     "tool_change_running": "tool change that leaves the spindle as it is",
     "tool_change": "tool change",
     "spindle_speed": "spindle speed",
+    "spindle_reverse": "spindle from one direction straight into the other",
     "spindle": "spindle on and off",
     "mist": "mist coolant",
     "flood": "flood coolant",
@@ -176,7 +177,8 @@ class Target:
     lacks: feature -> why a construct that nothing rewrites is refused, with the section;
     axis_channels: the number of an
     output is that of an axis and two digits;
-    length_numbers: programs give a tool's length as a number, because there is no tool table."""
+    length_numbers: programs give a tool's length as a number, because there is no tool table; one_way: directions
+    (``cw``, ``ccw``) whose command leaves on what turns the spindle the other way."""
 
     name: str
     title: str
@@ -198,6 +200,7 @@ class Target:
     guards: frozenset[str] = frozenset()
     lacks: dict[str, str] = field(default_factory=dict, repr=False)
     length_numbers: bool = False
+    one_way: frozenset[str] = frozenset()
 
     def verify(self) -> None:
         """Features are those that there are; ValueError otherwise."""

@@ -11,7 +11,7 @@ import dataclasses
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gproof.frontend.common.source import UTF8_MARK, decode, newline_of, read_source
 from gproof.frontend.wincnc.called_files import AnyFiles, CalledFiles
@@ -48,6 +48,9 @@ from gproof.ir.program import (
     Unsupported,
 )
 from gproof.ir.record import record
+
+if TYPE_CHECKING:
+    from gproof.frontend.wincnc.spindle_outputs import SpindleReader
 
 _FILE_NAME = re.compile(r"[^\s=]*[A-Za-z_][^\s=]*\.[A-Za-z]\w{0,3}")
 """What can be nothing but the name of a file: a command has no letters after a point."""
@@ -109,6 +112,19 @@ def load_alone(
         findings.add(refusal.finding)
         return None
     return program
+
+
+def one_way_next_to(files: Sequence[Path], machine: Machine) -> frozenset[str]:
+    """Directions (``cw``, ``ccw``) whose command in the CNC.MAC next to the files of a machine leaves an output on
+    with which the other one turns the spindle."""
+    folders = list(dict.fromkeys(path.parent for path in files))
+    program = Program(dialect="wincnc", rules=rules_named("wincnc"))
+    loader = _Loader(program, Findings(), wincnc_settings(machine), folders, None)
+    try:
+        loader.prepare()
+    except Refusal:
+        return frozenset()
+    return loader.spindle_reader().one_way()
 
 
 class _Loader:
@@ -180,17 +196,21 @@ class _Loader:
         """What CNC.MAC tells of the spindle; the files that tell it are among those of the program."""
         if "M5" not in self.macros and "M9" not in self.macros:
             return NO_OUTPUTS
-        from gproof.frontend.wincnc.spindle_outputs import SpindleReader
-
-        files = CalledFiles(self.files.folders)
-        lines = Lines(self.reader, self.program.rules, self.macros, files, len(self.controls.changers))
-        reader = SpindleReader(lines, files.paths, lambda path: files.other_of(path) is None, self.controls)
+        reader = self.spindle_reader()
         found = reader.outputs()
         known = {file.name for file in self.program.files}
         if found != NO_OUTPUTS:
             for source in {file.name: file for file in reader.read if file.name not in known}.values():
                 self._add_settings(source)
         return found
+
+    def spindle_reader(self) -> SpindleReader:
+        """Reads what the macros and the files that they call switch."""
+        from gproof.frontend.wincnc.spindle_outputs import SpindleReader
+
+        files = CalledFiles(self.files.folders)
+        lines = Lines(self.reader, self.program.rules, self.macros, files, len(self.controls.changers))
+        return SpindleReader(lines, files.paths, lambda path: files.other_of(path) is None, self.controls)
 
     def _macro_files(self, job: Sequence[Statement]) -> frozenset[str]:
         """Names of the files that no line of the job calls, nor one that it calls: commands of the machine run them."""

@@ -58,6 +58,20 @@ class SpindleReader:
         mist, flood = self._switched("M7", "M8", "M9")
         return SpindleOutputs(forward, backward, tuple(sorted({*mist, *flood})), tuple(sorted({*mist} - {*flood})))
 
+    def one_way(self) -> frozenset[str]:
+        """Of ``cw`` (M3) and ``ccw`` (M4) those that leave an output on by which the other one turns the spindle."""
+        try:
+            first, second, stopped = (self._definition(name) for name in ("M3", "M4", "M5"))
+        except _OpenError:
+            return frozenset()
+        ends = {channel for channel, on in stopped.items() if not on} - {self.controls.auto_output}
+        ways = [{channel for channel, on in way.items() if on and channel in ends} for way in (first, second)]
+        if not all(ways):
+            return frozenset()
+        return frozenset(
+            name for name, own, other in (("cw", first, ways[1]), ("ccw", second, ways[0])) if other - own.keys()
+        )
+
     def _switched(self, one: str, other: str, stop: str) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """The outputs that each of two codes leaves on and a third one switches off; none where that is not certain."""
         try:

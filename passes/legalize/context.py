@@ -550,6 +550,13 @@ class Context:
         turns = "spindle" in self.switched and self.spindle != "off"
         return turns or ("coolant" in self.switched and self.coolant)
 
+    def may_reverse(self, node: TurnSpindle) -> bool:
+        """Whether the spindle may turn in the other direction before an operation that turns it in this one."""
+        if self.spindle or "spindle" not in self.switched:
+            return self.spindle in {"cw", "ccw"} - {node.direction}
+        turns = {one.direction for one in self.nodes() if isinstance(one, TurnSpindle)}
+        return {"cw", "ccw"} <= turns
+
     def _all(self, body: Nodes, seen: set[str]) -> Iterable[Node]:
         """Operations of a body and of the routines that it runs."""
         for node in walk(body):

@@ -39,6 +39,7 @@ from gproof.ir.job import (
     SetFrame,
     SwitchGuard,
     SwitchOutput,
+    TurnSpindle,
     UseLength,
     bodies,
     used_routines,
@@ -265,6 +266,8 @@ class _Legalizer:
             found.add("guard")
         if isinstance(node, Choice) and node.otherwise and not self.target.two_ways:
             found.add("choice_else")
+        if isinstance(node, TurnSpindle) and node.direction in self.target.one_way and self.context.may_reverse(node):
+            found.add("spindle_reverse")
         if isinstance(node, EndJob) and not node.rests and self.context.may_run:
             found |= {"end_reset_running" if node.reset else "end_running"} - self.target.legal.keys()
         if isinstance(node, DrillHole) and node.clearance is not None:

@@ -193,6 +193,26 @@ def test_an_output_that_runs_the_spindle_there_is_refused(tmp_path: Path) -> Non
     assert translated(tmp_path, text, given=TranslationMap(outputs={1: 5}, given=True)).verdict is Verdict.SAFE
 
 
+TURNED = "S8000 M3\nG1 X1 F50\n{}M4\nG1 X2\nM5\n"
+BOTH_WAYS = MACROS | {
+    "CNC.MAC": "M3=M98 CW.MAC\nM4=M98 CCW.MAC\nM5=M98 REST.MAC\n", "CW.MAC": "M11C2\nM12C1\n",
+    "CCW.MAC": "M11C1\nM12C2\n",
+}  # fmt: skip
+
+
+def test_a_spindle_is_not_turned_round_by_an_m4_that_leaves_the_output_of_m3_on(tmp_path: Path) -> None:
+    """M4=M11C1 of that CNC.MAC leaves output 2, which M3 has switched on, as it is: both are on then."""
+    loop = "#1 = 0\nwhile [#1 < 2]\nM4\nG1 X2\nM3\nG1 X1\n#1 = [#1 + 1]\nendwhile\nM5\n"
+    for body in (TURNED.format(""), f"S8000 M3\nG1 X1 F50\n{loop}"):
+        done = translated(tmp_path, f"{MODES}{body}M30\n")
+        assert done.verdict is Verdict.UNKNOWN and not done.files
+        first = done.findings.kept[0]
+        assert first.code.label == "GP703" and "straight into the other" in first.message and "M5" in first.message
+    for body, macros in ((TURNED.format("M5\n"), MACROS), (TURNED.format(""), BOTH_WAYS)):
+        done = translated(tmp_path, f"{MODES}{body}M30\n", macros=macros)
+        assert done.verdict is Verdict.SAFE, [one.message for one in done.findings.kept]
+
+
 def test_a_line_after_a_helix_says_its_feed(tmp_path: Path) -> None:
     """Whether the F of an arc is also that of the lines of its axes, the manual leaves open [Feed Velocity]."""
     rows = "G0 X0 Y0 Z1\nG1 Z0 F100\nG1 X10 F300\nG2 X20 Y10 I10 Z-1 F200\nG1 Z-2 F100\nX30 F300\n"

@@ -43,7 +43,7 @@ TARGET = Target(
         "path_exact_stop": "3.4.16", "compensation": "3.4.11", "compensation_diameter": "3.4.11", "length": "3.4.12",
         "tool_select": "3.1.2", "tool_change": "3.5.3", "tool_change_rests": "3.5.3",
         "tool_change_selected": "3.5.3",
-        "spindle_speed": "3.5.2", "spindle": "3.5.2", "mist": "3.5.4",
+        "spindle_speed": "3.5.2", "spindle": "3.5.2", "spindle_reverse": "3.5.2", "mist": "3.5.4",
         "flood": "3.5.4", "output": "3.5.9", "wait_open": "3.5.9", "wait_timeout": "3.5.9", "dwell": "3.4.4",
         "stop": "3.5.1", "optional_stop": "3.5.1", "overrides": "3.5.5", "message": "4.2", "feed_alone": "3.7",
         "straight": "3.4.2", "rapid": "3.4.1", "end": "3.5.1", "end_running": "3.5.1",

@@ -44,7 +44,7 @@ TARGET = Target(
         "frame_zero_recall": "3.34",
         "tool_select": "5.5", "tool_change": "4.7", "tool_change_running": "4.7",
         "tool_change_selected": "4.7",
-        "spindle_speed": "5.4", "spindle": "4.4", "flood": "4.8",
+        "spindle_speed": "5.4", "spindle": "4.4", "spindle_reverse": "4.4", "flood": "4.8",
         "output": "4.11", "output_moving": "4.11", "dwell": "3.5", "stop": "4.1", "optional_stop": "4.2",
         "message": "5.7.2", "feed_alone": "5.3", "straight": "3.2", "rapid": "3.1", "end": "4.3", "end_reset": "4.13",
         "end_running": "4.3", "end_reset_running": "4.13",

@@ -27,6 +27,7 @@ LACKS = {
     "compensation": "O of G41 is a difference of diameters, and the entry is open (G41, G42)",
     "input_read": "an input decides about the next line alone (M17.1)",
     "wait_timeout": "M17 waits without a limit (M17, M18)",
+    "spindle_reverse": "its M3 or M4 leaves the output of the other one on (CNC.MAC): write M5 before it",
 }
 """Why constructs that nothing rewrites are refused."""
 
@@ -46,7 +47,9 @@ TARGET = Target(
         "frame_zero_recall": "G Codes: G92.3; L Codes: L92",
         "frame_zero_register": "L Codes: L92", "length": "G Codes: G43, G49",
         "tool_change": "Macro File Configuration", "tool_change_running": "Macro File Configuration",
-        "spindle": "Macro File Configuration", "spindle_speed": "Parameters in [Brackets]: S",
+        "spindle": "Macro File Configuration",
+        "spindle_reverse": "Macro File Configuration, where M3 and M4 switch off the output of the other one",
+        "spindle_speed": "Parameters in [Brackets]: S",
         "mist": "Macro File Configuration", "flood": "Macro File Configuration",
         "output": "M Codes: M11, M12", "output_moving": "M Codes: M13, M14",
         "wait": "M Codes: M17, M18", "dwell": "G Codes: G4", "stop": "G Codes: G4",
@@ -72,9 +75,11 @@ _SWITCH = re.compile(r"M(11|12|13|14)C(\d+)", re.IGNORECASE)
 BY_MACROS = {"spindle": ("M3", "M5"), "mist": ("M7", "M9"), "flood": ("M8", "M9")}
 
 
-def adapted(target: Target, machine: Machine, macros: Mapping[str, str] | None) -> Target:
+def adapted(
+    target: Target, machine: Machine, macros: Mapping[str, str] | None, one_way: frozenset[str] = frozenset()
+) -> Target:
     """The table for a machine: its settings change what cycles and arcs do (g81set=, g81dwell=, arcs=), and what has
-    no code here is what CNC.MAC defines. macros: commands by name, None: they are not known."""
+    no code here is what CNC.MAC defines. macros: commands by name, None: they are not known; one_way: see Target."""
     settings = wincnc_settings(machine)
     lost: set[str] = set()
     if settings.drill.dwell or settings.drill.other_dwell:
@@ -94,7 +99,7 @@ def adapted(target: Target, machine: Machine, macros: Mapping[str, str] | None) 
                 legal.pop(name, None)
         if "M6" not in macros:
             legal.pop("tool_change", None)
-    return replace(target, legal=legal, peck_clearance=USUAL_CLEARANCE if same else None)
+    return replace(target, legal=legal, peck_clearance=USUAL_CLEARANCE if same else None, one_way=one_way)
 
 
 def _ends(start: str, end: str) -> bool:
