@@ -17,7 +17,7 @@ from fractions import Fraction
 from typing import Any
 
 from gproof.backend.boards.board import (
-    VIRTUAL,
+    MOVES_NOTHING,
     Board,
     BoardError,
     Capabilities,
@@ -124,8 +124,8 @@ def run(
     AutoContinue). on_progress: called with the part of all ticks done.
     hold_at: feed holds, in ticks of motion since the start (an int rests for one second). override: 0.1 to 1,
     of the planned speed. estop_at: emergency stop at that tick of motion. machine, setup: what is at hand, when
-    it is known apart from the package; trusted_keys: whose certificates are accepted; a board that is not the one named
-    virtual requires all three. allow_untrusted: on the virtual one, nobody has to be trusted. control: requests from
+    it is known apart from the package; trusted_keys: whose certificates are accepted; a board that moves something
+    requires all three. allow_untrusted: on one that moves nothing, nobody has to be trusted. control: requests from
     other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
     what has to be there when this process ends before the run does; a run that cannot go on writing it ends at rest.
     """
@@ -540,15 +540,23 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
 def _unfit(job: CertifiedJob, is_: Capabilities) -> Iterator[Finding]:
     """Why a board cannot run a job."""
     where = Span(job.name, 0)
-    if is_.name != VIRTUAL:
+    if is_.name not in MOVES_NOTHING:
         if job.accepted != TRUSTED:
             what = f"board {is_.name} moves a machine: it takes only what a trusted key has signed"
             yield codes.CERTIFICATE_UNTRUSTED.at(where, what=what)
         if not (job.machine_at_hand and job.setup_at_hand):
             what = f"board {is_.name} moves a machine: it needs the machine file and the setup (--machine, --setup)"
             yield codes.CERTIFICATE_MACHINE.at(where, what=what)
+        if job.machine.board.motors and job.machine.board.name != is_.name:
+            what = f"its wiring is that of a board {job.machine.board.name}, and this one is {is_.name}"
+            yield codes.CERTIFICATE_MACHINE.at(where, what=what)
     board, ticks = job.machine.board, job.stream.tick_frequency
     wanted = (
+        (
+            bool(is_.motor_names) and is_.motor_names != tuple(m.name for m in job.stream.motors),
+            f"has pins for motors {', '.join(is_.motor_names)}, the stream is for "
+            + ", ".join(m.name for m in job.stream.motors),
+        ),
         (is_.motors != len(job.stream.motors), f"drives {is_.motors} motors, the stream has {len(job.stream.motors)}"),
         (is_.tick_frequency != ticks, f"counts {is_.tick_frequency} ticks per second, the stream {ticks}"),
         (

@@ -349,11 +349,14 @@ def verify(
     examples=(
         "gproof run part.gpx --board virtual",
         "gproof run part.gpx --board virtual --ask --record part.record.json",
+        "gproof run part.gpx --board klipper --port COM3 --machine m.toml --setup zero",
     ),
 )  # fmt: skip
 @click.argument("package", type=FileName())
 @option("--board", title=BOARD, type=OneOf(boards), required=True, help="Board to run on")
-@option("--ask", title=BOARD, is_flag=True, help="Ask at operator stops [default: the virtual board continues]")
+@option("--port", title=BOARD, metavar="PORT", help="Port of the board [default: that of the machine file]")
+@option("--baud", title=BOARD, metavar="RATE", type=click.IntRange(1200, 10_000_000), help="Speed of the port")
+@option("--ask", title=BOARD, is_flag=True, help="Ask at operator stops; a board that moves a machine always asks")
 @option("--real-time", title=BOARD, is_flag=True, help="Virtual board: take as long as the real machine")
 @option("--override", title=BOARD, metavar="FACTOR", type=Finite(0.1, 1.0), help="Feed override, 0.1 to 1")
 @option("--hold-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Feed hold at this time of the first section")
@@ -361,7 +364,7 @@ def verify(
 @package_options
 @option(
     "--allow-untrusted", title=REQUIRED, is_flag=True,
-    help="Run a package that no trusted key has signed (virtual board only)",
+    help="Run a package that no trusted key has signed (virtual board and emulator only)",
 )  # fmt: skip
 @option(
     "--record", title=RECORD, metavar=FILE, type=FileName(), help="Write the execution record (JSON) to a file"
@@ -379,6 +382,7 @@ def run(
     package: Path, board: str, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
     allow_untrusted: bool, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
     override: float | None, ask: bool, replace_record: bool, runs: Path | None, after_interruption: bool,
+    port: str | None, baud: int | None,
 ) -> int:  # fmt: skip
     """Run a certified step stream on a board.
 
@@ -392,7 +396,8 @@ def run(
         return run_run(
             package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
             override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
-            trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted,
+            trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted, port=port,
+            baud=baud,
         )  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from gproof.backend.boards.registry import BOARDS
 from gproof.cli.signals import INTERRUPTED, ends_with_its_command
 from gproof.cli.telling import warn
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
-from gproof.driver.boards import require_for
+from gproof.driver.boards import plugged_in, require_for, require_port, unusable_board, wiring_finding
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
 from gproof.driver.key_ring import trusted_with
@@ -26,6 +26,7 @@ from gproof.report.text import print_findings
 
 if TYPE_CHECKING:
     from gproof.backend.record_data import ExecutionRecord
+    from gproof.cli.run_journal import Keeper
     from gproof.ir.setup import Setup
     from gproof.verify.certificate.package import Package
 
@@ -34,24 +35,27 @@ def run_run(
     path: Path, *, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
     override: float | None, ask: bool, runs: Path | None = None, after_interruption: bool = False,
     replace_record: bool = False, trust: tuple[Path, ...] = (), machine: Path | None = None, setup: str | None = None,
-    source: Path | None = None, allow_untrusted: bool = False,
+    source: Path | None = None, allow_untrusted: bool = False, port: str | None = None, baud: int | None = None,
 ) -> int:  # fmt: skip
     """Check the package again, run it, print what came back; exit 0 only for a completed run.
 
     trust, machine, setup, source: whom to believe besides the own keys, and what is at hand; allow_untrusted: nobody
-    has to be believed, on the virtual board. runs: where the journal is kept; after_interruption, replace_record:
+    has to be believed, on a board that moves nothing. port, baud: where the board is, instead of where the machine file
+    says. runs: where the journal is kept; after_interruption, replace_record:
     answers given beforehand (``run_journal.settled``, ``require_record_place``).
     """
+    from gproof.backend.boards.board import MOVES_NOTHING
     from gproof.backend.control import Control
     from gproof.backend.interrupts import interrupts
     from gproof.backend.operators import AutoContinue, Terminal
     from gproof.backend.record_data import Result
-    from gproof.backend.runtime import RunFailed, RunRefused, run
+    from gproof.backend.runtime import run
     from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
     from gproof.verify.certificate.package import CertificateError, read_package
 
     require_file(path, "package")
     require_files(machine, setup, source)
+    require_port(board, port, baud)
     replace = record is not None and require_record_place(record, path, replace_record)
     trusted = trusted_with(trust, warn)
     require_for(board, machine=machine, setup=setup, trusted=bool(trusted), allow_untrusted=allow_untrusted)
@@ -73,35 +77,57 @@ def run_run(
     began = time.monotonic()
     with interrupts(control, for_good=ends_with_its_command()), keeper:
         with _progress() as progress:
-            try:
-                done = run(
+            done = _attempted(
+                lambda: run(
                     package,
-                    lambda: BOARDS[board](at_hand.machine or package.machine, len(package.stream.motors), real_time),
-                    operator=Terminal(ask=_ask, tell=_tell) if ask else AutoContinue(),
+                    lambda: BOARDS[board](
+                        plugged_in(at_hand.machine or package.machine, port, baud), len(package.stream.motors),
+                        real_time,
+                    ),
+                    operator=Terminal(ask=_ask, tell=_tell) if ask or board not in MOVES_NOTHING else AutoContinue(),
                     on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
                     estop_at=None if estop_at is None else round(estop_at * frequency),
                     override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
                     machine=at_hand.machine, setup=at_hand.setup, trusted_keys=trusted,
                     allow_untrusted=allow_untrusted, control=control, journal=keeper.journal,
-                )  # fmt: skip
-            except RunRefused as refused:
-                return _refused(list(refused.findings))
-            except RunFailed as failed:
-                done = failed.record
-            except OSError as error:
-                raise keeper.unusable(error) from None
+                ),
+                board, keeper, of_files, machine,
+            )  # fmt: skip
+            if isinstance(done, int):
+                return done
         took = time.monotonic() - began
         where, lost = keeper.keep(done)
         findings = Findings()
         for finding in (*done.findings(), *lost):
             findings.add(finding)
-        lines = list(_lines(path, package, done, at_hand.setup, None if real_time else took))
+        lines = list(_lines(path, package, done, at_hand.setup, None if done.board.real_time else took))
         told = where is not None and (record is not None or bool(lost))
         lines.append(f"  record      {done.sha256}" + (f", in {where}" if told else ""))
         _say(findings, lines)
     if done.result is Result.COMPLETED:
         return 0
     return INTERRUPTED if control.signalled else Verdict.UNSAFE.exit_code
+
+
+def _attempted(
+    start: Callable[[], ExecutionRecord], board: str, keeper: Keeper, files: Findings, machine: Path | None
+) -> ExecutionRecord | int:
+    """The record of a run, or the exit code where nothing was moved; UsageError where the board cannot be used."""
+    from gproof.backend.boards.board import BoardError
+    from gproof.backend.runtime import RunFailed, RunRefused
+
+    try:
+        return start()
+    except RunRefused as refused:
+        return _refused(list(refused.findings))
+    except RunFailed as failed:
+        return failed.record
+    except BoardError as error:
+        if (found := wiring_finding(error, files, machine)) is not None:
+            return _refused([found])
+        raise unusable_board(board, error) from None
+    except OSError as error:
+        raise keeper.unusable(error) from None
 
 
 def _lines(

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.backend.boards.registry import VIRTUAL
+from gproof.backend.boards.board import MOVES_NOTHING
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_place
@@ -55,11 +55,11 @@ def runs_folder(given: Path | None) -> Path:
 def alone(runs: Path | None, board: str) -> Iterator[None]:
     """One run at a time on a board; UsageError while another process has it.
 
-    The virtual board belongs to its process: as many may run as there are processes.
+    A board that moves nothing belongs to its process: as many may run as there are processes.
     """
     from gproof.backend.journal import held
 
-    if board == VIRTUAL:
+    if board in MOVES_NOTHING:
         yield
         return
     folder = runs_folder(runs)

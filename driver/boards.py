@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from gproof.backend.boards.registry import VIRTUAL
+from gproof.backend.boards.board import MOVES_NOTHING, BoardError
+from gproof.backend.boards.registry import REAL
 from gproof.driver.errors import UsageError
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Findings, Span
+from gproof.ir.machine import Machine
 
 
 def require_for(
     board: str, *, machine: Path | None, setup: str | None, trusted: bool, allow_untrusted: bool
 ) -> None:  # fmt: skip
-    """UsageError where a board that is not virtual would have to believe the package alone."""
-    if board == VIRTUAL:
+    """UsageError where a board that moves something would have to believe the package alone."""
+    if board in MOVES_NOTHING:
         return
     if allow_untrusted:
-        raise UsageError(f"--allow-untrusted works with --board {VIRTUAL} only")
+        raise UsageError(f"--allow-untrusted works with --board {' and '.join(sorted(MOVES_NOTHING))} only")
     missing = [
         name
         for name, there in (
@@ -27,3 +32,29 @@ def require_for(
     ]
     if missing:
         raise UsageError(f"--board {board} moves a machine and also needs {' and '.join(missing)}")
+
+
+def require_port(board: str, port: str | None, baud: int | None) -> None:
+    """UsageError for a port of a board that has none."""
+    for option, given in (("--port", port), ("--baud", baud)):
+        if given is not None and board not in REAL:
+            raise UsageError(f"{option} is for boards on a port ({', '.join(sorted(REAL))}); {board} has none")
+
+
+def plugged_in(machine: Machine, port: str | None, baud: int | None) -> Machine:
+    """The machine with its board where the command line says that it is."""
+    board = machine.board
+    return replace(machine, board=replace(board, port=port or board.port, baud=baud or board.baud))
+
+
+def wiring_finding(error: BoardError, files: Findings, machine: Path | None) -> Finding | None:
+    """GP841 at the key of the machine file that an error of opening a board is about; None where it is about none."""
+    where = getattr(error, "where", "")
+    if not where or machine is None:
+        return None
+    return codes.BOARD_WIRING.at(files.where(f"machine.board.{where}", Span(str(machine), 0)), what=str(error))
+
+
+def unusable_board(board: str, error: BoardError) -> UsageError:
+    """What to say of a board that cannot be used, in one line."""
+    return UsageError(f"board {board}: {error}; nothing was moved")

@@ -242,13 +242,57 @@ class Controller:
 
 
 @record(frozen=True, slots=True, kw_only=True)
+class Pin:
+    """A pin of a board by the board's own name for it. inverted: what it says or is told counts the other way round;
+    pull_up: of an input, the board's own resistor pulls it up."""
+
+    name: str
+    inverted: bool = False
+    pull_up: bool = False
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class WiredMotor:
+    """Which pins drive a motor. motor: its name in streams (X, X2). step: inverted where a step is a falling edge;
+    direction: inverted where the pin is low for steps that count up; enable: on as long as a host has the board;
+    limit: its switch. None: not wired."""
+
+    motor: str
+    step: Pin
+    direction: Pin
+    enable: Pin | None = None
+    limit: Pin | None = None
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class WiredOutput:
+    """A pin that the program switches. output: ``spindle``, ``spindle_reverse``, ``mist``, ``flood``, or the number of
+    an output channel; idle: on after power-up and when the board stops; speed: the one at which the spindle runs when
+    it is on, rpm, None: set by hand or not stated."""
+
+    output: str
+    pin: Pin
+    idle: bool = False
+    speed: float | None = None
+
+
+@record(frozen=True, slots=True, kw_only=True)
 class Board:
-    """What the board needs between edges: seconds; ticks a second."""
+    """What the board needs between edges: seconds; ticks a second. And its wiring: which pin is for what.
+
+    port, baud: where it is plugged in today, "" and 0 where that is not stated. They are no part of what a package is
+    made for: another port is the same machine, another pin is not.
+    """
 
     name: str = "virtual"
     tick_frequency: int = 16_000_000
     step_pulse: float = 2e-6
     direction_setup: float = 5e-6
+    motors: tuple[WiredMotor, ...] = ()
+    outputs: tuple[WiredOutput, ...] = ()
+    probe: Pin | None = None
+    port: str = field(default="", compare=False)
+    baud: int = field(default=0, compare=False)
 
 
 TOUCHES = {

@@ -53,6 +53,7 @@ FIELDS: dict[tuple[str, str], Range] = {
     ("StepStream", "tick_frequency"): Range(1, 1e12),
     ("Board", "step_pulse"): Range(0, 1),
     ("Board", "direction_setup"): Range(0, 1),
+    ("WiredOutput", "speed"): POSITIVE,
     ("Controller", "interpolation_time"): Range(1e-6, 10),
     ("Controller", "fifo_time"): Range(1e-3, 60),
     ("Controller", "spindle_ramp_time"): Range(0, 1e6, least=1e-9),

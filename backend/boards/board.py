@@ -16,8 +16,10 @@ from gproof.backend.runs import Ints
 from gproof.ir.columns import Columns
 from gproof.ir.record import record
 
-VIRTUAL = "virtual"
-"""The name of the only board that moves nothing; an emulator, model or simulator on a port is a board as others."""
+VIRTUAL, EMULATOR = "virtual", "emulator"
+MOVES_NOTHING = frozenset({VIRTUAL, EMULATOR})
+"""The boards that move nothing: one inside this process, and one in a process that this one starts itself. An emulator,
+model or simulator on a port that somebody names is a board as others: what hangs there is known to nobody here."""
 
 
 def ticks_up(seconds: float, tick_frequency: int) -> int:
@@ -72,7 +74,9 @@ class Capabilities:
     the greatest growth of its intervals, signs aside, and the longest interval, ticks; max_rest: the longest interval
     of a run of one step (0: as of others); real_time: its clock follows ours; link_rate: bytes a second to it (0: no
     limit is known); event_bytes: of an event on it, at most; watched: it watches the host's promises; identity,
-    firmware: what tells it from others, and the version it runs.
+    firmware: what tells it from others, and the version it runs; motor_names: those of the motors that are wired, in
+    order, none where any will do; acts_alone: it carries out every event, False: those that the machine file has pins
+    for, and the operator the others.
     """
 
     name: str
@@ -91,6 +95,8 @@ class Capabilities:
     watched: bool = True
     identity: str = ""
     firmware: str = ""
+    motor_names: tuple[str, ...] = ()
+    acts_alone: bool = True
 
 
 @record(frozen=True, slots=True, kw_only=True)

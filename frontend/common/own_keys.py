@@ -101,7 +101,11 @@ KEYS: dict[str, Keys] = {
             " rotation_sign virtual_on knife_positions nesting start end abort coolant inputs outputs devices"
             " feed_groups command_group"
         ),
-        board=_keys("name tick_frequency step_pulse direction_setup"),
+        board=_keys(
+            "name tick_frequency step_pulse direction_setup port baud probe",
+            motors=_keys(named=_keys("step direction enable limit")),
+            outputs=_keys(named=_keys("pin idle speed")),
+        ),
         din=_keys(
             "version case_sensitive line_numbers position_unit time_unit wait_unit persistence absolute_centers"
             " interpolation_axes g60 zero_offsets angle_unit arc_tolerance program_size pre_include post_include"

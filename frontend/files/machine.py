@@ -20,6 +20,7 @@ from gproof.frontend.common.own_keys import key_paths
 from gproof.frontend.common.paths import is_there
 from gproof.frontend.common.toml_table import TomlFile, TomlTable, in_range, meant
 from gproof.frontend.files.areas_table import areas_from
+from gproof.frontend.files.board_table import board_from
 from gproof.frontend.files.tool_table import check_shape, shape_keys
 from gproof.ir.dialects.accepts import ACCEPTS, names_of
 from gproof.ir.finding import Findings
@@ -27,7 +28,6 @@ from gproof.ir.machine import (
     AXIS_NAMES,
     Axis,
     AxisKind,
-    Board,
     Controller,
     Knife,
     Machine,
@@ -122,7 +122,7 @@ def _load_toml(
     machine, foreign, own = _settings(root, machine, unit, frontends)
     machine = replace(
         machine,
-        board=_board(root, machine.board),
+        board=board_from(root, machine),
         knife=_knife(root, machine.knife, unit),
         **_given(kinematics=root.text("kinematics"), z_down_tool_length=root.number("z_down_tool_length", unit=unit)),
         **_given(spindle_started=root.boolean("spindle")),
@@ -484,20 +484,3 @@ def _accepts(table: TomlTable, dialect: object) -> tuple[str, ...] | None:
         elif ACCEPTS[name].against in found[: found.index(name)]:
             table.bad("accepts", f"{ACCEPTS[name].against!r} and {name!r} cannot both be true")
     return found
-
-
-def _board(root: TomlTable, before: Board) -> Board:
-    table = root.table("board")
-    if table is None:
-        return before
-    board = replace(
-        before,
-        **_given(
-            name=table.text("name"),
-            tick_frequency=table.whole("tick_frequency", 1, 10**12),
-            step_pulse=table.positive("step_pulse", zero=True),
-            direction_setup=table.positive("direction_setup", zero=True),
-        ),
-    )
-    table.finish()
-    return board

@@ -102,6 +102,10 @@ LINK_STARVED = code(
     840, "link-starved", _E, "the board would run out of steps: {what}", "run",
     "use a faster line, program a lower feed there, or send further ahead (fifo_time of the machine)",
 )  # fmt: skip
+BOARD_WIRING = code(
+    841, "board-wiring", _E, "the wiring does not fit the board: {what}", "run",
+    "correct this key of the machine file; gproof boards probe lists the pins of a board",
+)  # fmt: skip
 CERTIFICATE_VERSION = code(
     850, "certificate-version", _U, "made by another version: {what}", "certificate",
     "compile the job again with this version",

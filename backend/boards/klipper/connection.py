@@ -94,7 +94,7 @@ class Connection:
                 self.transport = Transport(sequence, window=64)
                 return
         if not heard:
-            raise BoardError("no board found: nobody answers")
+            raise BoardError("no board found: nobody answers, or at another baud rate")
         raise BoardError("no board found: what answers does not speak Klipper's protocol, or at another baud rate")
 
     def _drain(self) -> None:

@@ -70,7 +70,8 @@ class KlipperBoard:
     """See the module's text.
 
     connect: opens the line; wiring: pins; pulse, direction_setup: ticks, as the machine file has them; baud: of the
-    line, 0 where it has none; steadiness: of the board's clock. Tick frequency and places are the board's own.
+    line, 0 where it has none; frequency: Hz that the clock has to count, 0: whatever it counts; steadiness: of the
+    board's clock; name: of the kind of board. Tick frequency and places are the board's own.
     """
 
     def __init__(
@@ -81,12 +82,15 @@ class KlipperBoard:
         pulse: int = 32,
         direction_setup: int = 80,
         baud: int = 0,
+        frequency: int = 0,
         steadiness: Steadiness = CRYSTAL,
+        name: str = KLIPPER,
     ) -> None:
         self._connect = connect
         self._wiring = wiring
         self._pulse, self._setup, self._baud = pulse, direction_setup, baud
         self._steadiness = steadiness
+        self._frequency, self._name = frequency, name
         self._live: Session | None = None
         self._past: BoardClock | None = None
         self._identity = b""
@@ -115,6 +119,9 @@ class KlipperBoard:
         self.close()
         try:
             live = self._reach()
+            if self._frequency not in (0, live.clock.frequency):
+                counts = f"the board counts {live.clock.frequency} ticks a second"
+                raise BoardError(f"{counts}, the machine file says {self._frequency} (tick_frequency)")
             self._places = live.configure(self._pulse) - (RESERVE if self._wiring.outputs else 0)
             if self._places < len(self._motors):
                 raise BoardError(f"the board stores {self._places} runs, too few for {len(self._motors)} motors")
@@ -125,8 +132,10 @@ class KlipperBoard:
             raise
         dictionary = live.link.dictionary
         return Capabilities(
-            name=KLIPPER,
+            name=self._name,
             motors=len(self._motors),
+            motor_names=self._wiring.names,
+            acts_alone=False,
             tick_frequency=live.clock.frequency,
             fifo_runs=self._places,
             step_pulse=self._pulse,
@@ -155,10 +164,11 @@ class KlipperBoard:
         return live
 
     def _switch(self, live: Session, *, on: bool) -> None:
-        """Outputs that are on as long as a host has the board."""
+        """Outputs that are on as long as a host has the board, and at the end all others: as they are at rest."""
+        tick = live.tick_in(START)
         for name, output in self._wiring.outputs.items():
-            if output.while_open:
-                self._outbox.switch(live.link, name, on=on, tick=live.tick_in(START))
+            if output.while_open or not on:
+                self._outbox.switch(live.link, name, on=on if output.while_open else output.idle, tick=tick)
         live.link.settle()
 
     def _begin(self, live: Session) -> None:
@@ -178,7 +188,7 @@ class KlipperBoard:
         self._now = live.clock.lower(live.now())
 
     def close(self) -> None:
-        """See Board; what was switched on while it was open goes off."""
+        """See Board; outputs go to their idle state, so that nothing is left on by a host that has gone."""
         if self._live is not None and self._state in (BoardState.IDLE, BoardState.RUNNING):
             with contextlib.suppress(BoardError):
                 self._switch(self._live, on=False)

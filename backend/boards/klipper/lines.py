@@ -61,6 +61,8 @@ class SerialLine:
             self._number: int | None = self._serial.fileno()
         except (OSError, AttributeError):
             self._number = None
+        if alone and self._number is not None:
+            _keep_alone(self._number)
 
     def now(self) -> float:
         """See Line."""
@@ -99,6 +101,15 @@ class SerialLine:
         """See Line."""
         with contextlib.suppress(OSError):
             self._serial.close()
+
+
+def _keep_alone(number: int) -> None:
+    """Ask the system to refuse the port to programs that know nothing of locks."""
+    with contextlib.suppress(ImportError, AttributeError, OSError):
+        import fcntl
+        import termios
+
+        fcntl.ioctl(number, termios.TIOCEXCL)
 
 
 def _refused(error: Exception) -> str:

@@ -71,7 +71,7 @@ class Outbox:
 
     def add_event(self, tick: int, row: int, op: int, arg: tuple[int, int]) -> None:
         """Queue an event for a clock tick."""
-        switched = self._wiring.switches.get((op, arg[0]), ())
+        switched = self._wiring.switched(op, arg)
         self._new.append((tick, _Event(EventDone(tick, row, op), len(switched)), switched))
 
     def switch(self, link: Connection, name: str, *, on: bool, tick: int) -> int:

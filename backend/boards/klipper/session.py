@@ -113,7 +113,15 @@ class Session:
 
     def configure(self, pulse: int) -> int:
         """Configure the board, unless it is; the places that it has for runs. BoardError."""
-        configure(self.link, self.wiring.commands(self.link, pulse))
+        commands = self.wiring.commands(self.link, pulse)
+        try:
+            configure(self.link, commands)
+        except Shutdown:
+            why = self.shutdown[1] if self.shutdown is not None else "it shut down"
+            wanted = f"{len(self.wiring.motors)} motors and {len(self.wiring.outputs)} outputs"
+            raise BoardError(
+                f"the board cannot be configured for {wanted}: {why}; it has to be reset (switched off and on)"
+            ) from None
         return _number(self.link.query("get_config", "config"), "move_count")
 
     def leave_shutdown(self) -> None:

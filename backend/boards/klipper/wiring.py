@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 
 from gproof.backend.boards.board import BoardError
 from gproof.backend.boards.klipper.connection import Connection
+from gproof.backend.boards.klipper.dictionary import DictionaryError
+from gproof.backend.boards.outputs import Switched, pins_of
 from gproof.ir.record import field, record
 
 
@@ -30,29 +32,55 @@ class MotorPins:
 @record(frozen=True, slots=True, kw_only=True)
 class OutputPin:
     """An output; inverted: the pin is low when it is on; idle: how it is after power-up and in a shutdown;
-    while_open: on as long as a host has the board, as the enable pin of a drive is."""
+    while_open: on as long as a host has the board, as the enable pin of a drive is; where: the key of the machine file
+    that names it."""
 
     pin: str
     inverted: bool = False
     idle: bool = False
     while_open: bool = False
+    where: str = ""
 
 
-Switched = tuple[tuple[str, bool], ...]
-"""Outputs by name, and whether they go on."""
+class UnknownPin(DictionaryError):
+    """A pin that the board does not have. where: the key of the machine file that names it, below ``[board]``."""
+
+    def __init__(self, where: str, pin: str, chip: str) -> None:
+        super().__init__(f"{where}: the board ({chip}) has no pin {pin}")
+        self.where = where
 
 
 @record(frozen=True, slots=True, kw_only=True)
 class Wiring:
     """The pins of a machine.
 
-    motors: in the stream's order; outputs: by name; switches: what an event switches, by its op and first argument as
-    the stream has it (thousandths); an event that is not there switches nothing.
+    motors: in the stream's order; names: theirs, where they have some; outputs: by name; an event switches those that
+    have the names of ``outputs.py``; switches: what an event switches instead, by its op and first argument as the
+    stream has it (thousandths); inputs: pins that are there and that nothing here reads.
     """
 
     motors: Sequence[MotorPins]
+    names: tuple[str, ...] = ()
     outputs: Mapping[str, OutputPin] = field(default_factory=dict)
     switches: Mapping[tuple[int, int], Switched] = field(default_factory=dict)
+    inputs: Mapping[str, str] = field(default_factory=dict)
+
+    def switched(self, op: int, arg: tuple[int, int]) -> Switched:
+        """What an event switches."""
+        known = self.switches.get((op, arg[0]))
+        return pins_of(op, arg, self.outputs) if known is None else known
+
+    def unknown(self, pins: Mapping[str, int]) -> list[tuple[str, str]]:
+        """(what for, pin) of those that a board does not have; pins: of its dictionary."""
+        named = [(f"motor {k}", pin) for k, motor in enumerate(self.motors) for pin in (motor.step, motor.direction)]
+        if self.names:
+            named = [
+                (f"motors.{name.lower()}.{key}", pin)
+                for name, motor in zip(self.names, self.motors, strict=True)
+                for key, pin in (("step", motor.step), ("direction", motor.direction))
+            ]
+        named += [(output.where or f"outputs.{name}.pin", output.pin) for name, output in self.outputs.items()]
+        return [(where, pin) for where, pin in (*named, *self.inputs.items()) if pin not in pins]
 
     def problems(self) -> list[str]:
         """Pins named twice, and outputs that nothing has."""
@@ -80,7 +108,10 @@ class Wiring:
         """What configures a board; pulse: ticks. BoardError for a pin that it does not have."""
         if found := self.problems():
             raise BoardError(found[0])
-        listed = connection.dictionary.listed
+        dictionary = connection.dictionary
+        if unknown := self.unknown(dictionary.enumerations.get("pin", {})):
+            raise UnknownPin(*unknown[0], str(dictionary.constants.get("MCU", "of no name")))
+        listed = dictionary.listed
         made = [connection.command("allocate_oids", count=len(self.motors) + len(self.outputs))]
         for oid, motor in enumerate(self.motors):
             made.append(

@@ -31,7 +31,7 @@ HEADS = {
 NAMES = {
     "axes": "x", "areas": "tool_change", "tools": "1", "spindles": "1", "task0": "M3", "work": "1", "heads": "1",
     "parameters": "100", "resident": "CI601", "positions": "P4", "inputs": "1", "outputs": "1", "virtual_inputs": "1",
-    "layers": "cut", "severity": "GP260",
+    "motors": "x", "layers": "cut", "severity": "GP260",
 }  # fmt: skip
 """A name that each table of names takes."""
 LISTS = {"slaves", "keep_out", "pockets", "fixtures", "jobs"}

@@ -257,7 +257,8 @@ def test_outputs_switch_at_their_tick_and_enable_with_the_board() -> None:
     assert board.status().state is BoardState.IDLE
     board.close()
     assert peer.outputs[1] == (2, base + 50_000, 1)
-    assert [(oid, on) for oid, _, on in peer.outputs] == [(3, 0), (2, 1), (3, 1)]
+    # The spindle is off and the drive is not enabled when the host has gone.
+    assert [(oid, on) for oid, _, on in peer.outputs] == [(3, 0), (2, 1), (2, 0), (3, 1)]
 
 
 @pytest.mark.parametrize("seed", range(6))
