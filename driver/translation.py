@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from gproof.backend.emit.carried import carried
 from gproof.backend.emit.printer import Unprintable
 from gproof.driver.dialects import DIALECTS
 from gproof.driver.errors import UsageError
@@ -178,6 +179,7 @@ def _stated_only(session: Session) -> Iterator[str]:
 def _files(job: Job, target: Target, machine: Machine, style: Style, wanted: Wanted) -> dict[str, bytes]:
     """The text of the files, under names that none has whose text is another; Unprintable."""
     there = {name.upper(): text for name, text in wanted.beside.items()}
+    job = carried(job, style)
     while True:
         files = TARGETS[wanted.to].write(job, target, machine, style)
         clash = {name.upper() for name, text in files.items() if there.get(name.upper(), text) != text}

@@ -49,8 +49,9 @@ _QUIET = (Remark, SetFeed, SetVariable, ShowText)
 
 
 def at_rest(job: Job, *, before: bool, zeros: bool) -> Job:
-    """The job with such outputs. before: also where the axes rest before the output and move after it; zeros: motion
-    with feed stops where the zero changes."""
+    """The job with such outputs. before: also where the axes rest before the output and move after it, which the target
+    does all the same where an operation stops motion, but not where ``zeros`` alone does: motion with feed stops where
+    the zero changes."""
     routines = {name: replace(one, body=_list(one.body, zeros, before)) for name, one in job.routines.items()}
     body = _list(job.body, zeros, before, whole=True)
     return Job(source=job.source, files=job.files, body=body, routines=routines)
@@ -61,12 +62,12 @@ def _list(nodes: Nodes, zeros: bool, before: bool, *, whole: bool = False) -> No
     fed = _after_feed(found) if zeros else [False] * len(found)
     for order, wanted in ((reversed(range(len(found))), True), (iter(range(len(found))), before)):
         rests = whole and wanted
-        for place in order if wanted else ():
+        for place in order if wanted or zeros else ():
             node = found[place]
             if isinstance(node, SwitchOutput) and node.moving:
                 found[place] = replace(node, moving=False) if rests else node
             elif not isinstance(node, _QUIET) and not _is_speed(node):
-                rests = _stops(node) or (fed[place] and isinstance(node, SetFrame))
+                rests = (wanted and _stops(node)) or (fed[place] and isinstance(node, SetFrame))
     return tuple(found)
 
 

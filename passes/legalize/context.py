@@ -45,6 +45,7 @@ from gproof.ir.target import Target
 from gproof.passes.legalize.constants import constant
 from gproof.passes.legalize.job_axes import axes_of, moved_by
 from gproof.passes.legalize.options import Lowered, Options, Zero
+from gproof.passes.legalize.switched import switched_perhaps
 from gproof.passes.legalize.transform import SAME, Transform, applied, joined
 
 MOST_OFFSETS = 100
@@ -56,7 +57,7 @@ MOST_OPERATIONS = 200_000
 _KNOWN = (
     "values", "place", "spindle", "coolant", "switched", "uneven", "turns", "program_place", "zero", "local_off",
     "kept", "local", "suspended", "remembered", "moved", "offsets", "doubtful", "selected", "shift", "length",
-    "measuring", "at_machine",
+    "measuring", "at_machine", "borrowed",
 )  # fmt: skip
 """What a context knows at a place."""
 
@@ -93,7 +94,8 @@ class Context:
     measuring: each tool's length counts from its change on; kept_length: what ``zero_keep`` kept of it; keeping: the
     job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work offset that is the only
     zero of the target; at_machine: mm by axis from machine zero, of those that went there; as_is: frames and changes
-    that are meant without a length, or have it already, with whether they move the place of Z.
+    that are meant without a length, or have it already, with whether they move the place of Z; borrowed: the local
+    offset of the target may hold shifts of the zero, which end with it.
     """
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
@@ -110,6 +112,7 @@ class Context:
         self.program_place: dict[str, float] = {}
         self.zero = Zero(1)
         self.local_off = True
+        self.borrowed = False
         self.kept: dict[float, tuple[Zero, bool]] = {}
         self.spare_used = False
         self.spare_places: dict[str, tuple[int, float]] = {}
@@ -197,6 +200,7 @@ class Context:
             places = {axis: at for axis in AXIS_NAMES if (at := self.zero.place(axis)) and at == there.place(axis)}
             self.zero = Zero(0, places)
         self.local_off = self.local_off and other["local_off"]
+        self.borrowed |= other["borrowed"]
         self.kept = {key: one for key, one in self.kept.items() if other["kept"].get(key) == one}
         self.length = self.length if self.length == other["length"] else None
         self.measuring = self.measuring and other["measuring"]
@@ -255,10 +259,10 @@ class Context:
         elif isinstance(node, SwitchCoolant):
             off = node.mist is False and node.flood is False
             self.coolant = bool(node.mist or node.flood) or (self.coolant and not off)
-            self.switched.add("coolant")
+            self._switch("coolant")
         elif isinstance(node, TurnSpindle):
             if node.direction != "speed":
-                self.switched.add("spindle")
+                self._switch("spindle")
                 self.spindle = node.direction
         elif isinstance(node, ParkAt | HomeAxes | ChangeTool | UseLength):
             self.place = {}
@@ -274,6 +278,11 @@ class Context:
                         self.after(one)
         elif isinstance(node, LoopWhile | CountLoop | OptionalPart | RepeatGrid):
             self.forget((node,))
+
+    def _switch(self, device: str) -> None:
+        """A command for it on every way to here."""
+        self.switched.add(device)
+        self.uneven.discard(device)
 
     def _after_change(self, node: ChangeTool) -> None:
         number = None if node.number is None else self.value(node.number)
@@ -339,6 +348,7 @@ class Context:
             self.local_off = False
         elif node.action in {"local_off", "local_suspend"}:
             self.local_off = True
+            self.borrowed = False
         elif node.action == "zero_keep":
             self.remembered = number, self.zero, self.local, dict(self.place)
             self.kept_length = self.length
@@ -380,13 +390,13 @@ class Context:
 
     def loses_local(self, node: SetFrame) -> bool:
         """Whether choosing a work offset ends a local one on the target, whose only offset it is, or what the job has
-        stored there is not in it."""
+        stored there is not in it; or does not end shifts of the zero, which the target has in a local one."""
         is_select = node.action == "select" and node is not self.settled
         number = None if node.number is None else self.value(node.number)
         if is_select and "frame_select" in self.target.legal and (number in self.offsets or number in self.doubtful):
             return True
         one_offset = "frame_zero_shift" in self.target.legal and "frame_local_here" not in self.target.legal
-        return is_select and one_offset and bool(self.local)
+        return is_select and ((one_offset and bool(self.local)) or self.borrowed)
 
     def machine_place(self, axis: str) -> float | None:
         """Where an axis is, from machine zero and without a tool length; None where it is not known."""
@@ -487,6 +497,7 @@ class Context:
     def forget(self, body: Nodes) -> None:
         """What these operations may change is not known after them: places, and variables that they write."""
         self.place = {}
+        self.uneven |= switched_perhaps(body, self.job.routines) - self.switched
         for node in self._all(body, set()):
             self._forget_device(node)
             if isinstance(node, SetFrame):
@@ -497,6 +508,7 @@ class Context:
                     self._forget_offset(node)
                 if node.action.startswith("zero"):
                     self.shift = None
+                    self.borrowed |= node.action == "zero_shift" and "frame_zero_shift" not in self.target.legal
                 if node.action.startswith(("local", "zero")):
                     self.local = None
             if isinstance(node, UseLength):

@@ -37,6 +37,7 @@ from gproof.ir.job import (
     Routine,
     RunRoutine,
     SetFrame,
+    SwitchCoolant,
     SwitchGuard,
     SwitchOutput,
     TurnSpindle,
@@ -108,9 +109,9 @@ def legalize(job: Job, target: Target, options: Options) -> Legal:
     found = legalizer.run()
     for _ in range(MOST_ROUNDS):
         more = legalizer.to_open()
-        if not more.routines | more.loops:
+        if not more.routines | more.loops and more.choices == opened.choices:
             break
-        opened = Opened(opened.routines | more.routines, opened.loops | more.loops)
+        opened = Opened(opened.routines | more.routines, opened.loops | more.loops, more.choices or opened.choices)
         legalizer = _Legalizer(job, target, options, opened)
         again = legalizer.run()
         if not again.refused:
@@ -124,10 +125,12 @@ MOST_ROUNDS = 8
 
 @record(frozen=True, slots=True)
 class Opened:
-    """Subprograms by name, and loops by the key of their place, that are not kept."""
+    """Subprograms by name, and loops by the key of their place, that are not kept; choices: nor those choices whose
+    condition is known."""
 
     routines: frozenset[str] = frozenset()
     loops: frozenset[tuple[str, int]] = frozenset()
+    choices: bool = False
 
 
 def _everything(job: Job) -> Iterator[Node]:
@@ -216,15 +219,16 @@ class _Legalizer:
     def to_open(self) -> Opened:
         """Subprograms and loops that keep something from being known; nothing where that does not help."""
         if self.is_lost or not self.refused:
-            return Opened()
+            return Opened(choices=self.opened.choices)
         names = {one for one in self.lost_in if isinstance(one, str)}
         loops = frozenset(one for one in self.lost_in if not isinstance(one, str))
         if not self.lost_in:
+            kinds = (SetFrame, UseLength, ChangeTool, TurnSpindle, SwitchCoolant)
             names = {
                 name for name in self.routines
-                if any(isinstance(one, SetFrame | UseLength | ChangeTool) for one in self.context.routine_nodes(name))
+                if any(isinstance(one, kinds) for one in self.context.routine_nodes(name))
             }  # fmt: skip
-        return Opened(frozenset(names) - self.opened.routines, loops)
+        return Opened(frozenset(names) - self.opened.routines, loops, bool(self.context.uneven))
 
     def _reached(self, body: Nodes) -> list[str]:
         """Routines that legal operations run, each after those that it runs itself were found."""
@@ -252,6 +256,8 @@ class _Legalizer:
             node.name in self.opened.routines or self._moves_zero(node) or self.context.transform != SAME
         ):
             found.add("routine")
+        if self.opened.choices and isinstance(node, Choice) and self.context.value(node.condition) is not None:
+            found.add("choice")
         if self.opened.loops and isinstance(node, LoopWhile | CountLoop) and _place(node) in self.opened.loops:
             found |= {"count_loop" if isinstance(node, CountLoop) else "repeat" if node.first else "while"}
         if isinstance(node, SetFrame) and self.context.loses_local(node):

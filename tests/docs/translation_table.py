@@ -38,6 +38,7 @@ NEEDS: dict[str, Callable[[Target], bool]] = {
     "continuous path -> exact path": has("path_exact_path"),
     "work offset with a local offset -> with a shift": has("frame_zero_shift"),
     "stored work offset -> zero at its place": has("frame_zero_at"),
+    "work offset after a shift -> shift off, work offset": has("frame_local_here"),
     "local offset -> shift of the zero": has("frame_zero_shift"),
     "tool change -> stop": lambda target: "tool_change" not in target.legal,
     "change that stops the spindle -> spindle off, change": lambda target: (

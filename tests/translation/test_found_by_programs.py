@@ -191,6 +191,55 @@ LINES = {
         ["M3", "G4", "S2000", "X1", "M5"],
         [],
     ),
+    "a work offset ends what G92 has added to the zero before; G92 outlives it (McuWIN 3.26; grbl, G92.1)": (
+        "mcuwin",
+        "grbl",
+        "G00 X5 Y0 Z0\nG91\nG92 X3\nG90\nG57\nG00 X1\nM30\n",
+        ["G92 X2", "G92.1", "G57", "X1"],
+        [],
+    ),
+    "an output after a zero changes acts at rest after a feed (McuWIN 3.26, 4.11; M11)": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nG01 X1\nG91\nG92 X5\nG90\nM26 105\nG01 X1\nM30\n",
+        ["G92.2 X5", "M11 C5", "X1"],
+        [],
+    ),
+    "an output after a rapid and a change of the zero does not: G00 is no contour (McuWIN 3.26; M13)": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nG91\nG92 X5\nG90\nM26 105\nG01 X1\nM30\n",
+        ["G92.2 X5", "M13 C5", "X1 F300"],
+        [],
+    ),
+    "S in the line of M03 is part of it, after a stop too (McuWIN 5.4; LinuxCNC, Order of Execution)": (
+        "mcuwin",
+        "linuxcnc",
+        "G00 X0 Y0 Z0\nM04\nG00 X1\nM00\nG00 X2\nS6000 M03\nG01 X3\nM30\n",
+        ["M4", "M0", "S6000 M3"],
+        [],
+    ),
+    "M7 after M8 and a stop leaves flood as it is; M9 is both outputs (Eding 3.5.5; CNC.MAC)": (
+        "eding",
+        "wincnc",
+        "G0 X0 Y0 Z0\nM8\nG0 X1\nM0\nG0 X2\nM7\nG0 X3\nM9\nG0 X4\nM30\n",
+        ["M8", "G4", "M7", "M9"],
+        [],
+    ),
+    "coolant on a way that is not taken is not there to be switched off (Eding 3.5.1)": (
+        "eding",
+        "mcuwin",
+        "G0 X0 Y0 Z0\n#1 = 3\nsub p\nif [#1 > 5]\nM8\nendif\nG0 X1\nendsub\ngosub p\nM30\n",
+        ["X1", "M30"],
+        ["M08", "M09"],
+    ),
+    "each relative place makes up for what the one before has left out": (
+        "eding",
+        "mcuwin",
+        "G0 X0 Y0 Z0\nF100\nG20 G91\nG1 X0.0001\nX0.0001\nX0.0001\nX0.0001\nM30\n",
+        ["X0.0025", "X0.0026", "X0.0025", "X0.0026"],  # 0.00254 0.00508 0.00762 0.01016 mm
+        [],
+    ),
 }
 """By what it is about: from, to, the program after its first lines, lines in their order, lines that are not there."""
 

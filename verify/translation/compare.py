@@ -147,8 +147,8 @@ class _Walk:
                 new = frozenset(name for six in starts for form in six for name, _ in form if is_own(name))
             mine, theirs = one.devices, other.devices
             if a.wait in (Wait.OPERATOR, Wait.TOOL_CHANGE):
-                mine = mine.after_operator(self.sides[0].spindle_channels)
-                theirs = theirs.after_operator(self.sides[1].spindle_channels)
+                mine = mine.after_operator(self.sides[0].device_channels)
+                theirs = theirs.after_operator(self.sides[1].device_channels)
             yield Pair(a.target, b.target, mine, theirs), new
 
     def _start_frame(self, which: int, section: int) -> int:

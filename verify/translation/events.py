@@ -6,6 +6,7 @@ Left out is what changes nothing:
 - a tool that is said twice with nothing in between: it is in the spindle then;
 - a speed for a spindle that rests: the start of the spindle has the speed in force then;
 - a speed right before a command for the spindle at the same place, which has that speed;
+- one coolant off right before the other one at the same place, by outputs: both are off then;
 - rows that only say what the rows of moves have in their state and in their numbers (offsets, units, plane, path mode,
   guards, overrides), and messages, which move and switch nothing; a question ends its section and is compared there.
 
@@ -56,7 +57,8 @@ class Devices(NamedTuple):
     def after_operator(self, keep: frozenset[int]) -> Devices:
         """After a wait for the operator, who may have switched anything: no command repeats a state any more.
 
-        keep: channels by which a spindle's direction is known.
+        keep: channels by which a spindle's direction and both coolants are known: a command for one of these
+        devices leaves the others as the operator has left them, on both machines.
         """
         kept = tuple(pair for pair in self.outputs if pair[0] in keep)
         return Devices(speed=self.speed, outputs=kept, changed=self.changed)
@@ -72,8 +74,11 @@ class EventReader:
         self.found: list[Event] = []
         self.rests: set[int] = set()
         self._partial: Event | None = None
-        self._speed_alone: tuple[int, tuple[float, float]] | None = None
-        """Of a speed alone that changed while the spindle turns: the number of its event, the state before it."""
+        self._speed_alone: tuple[int, tuple[float, float] | None, Place | str] | None = None
+        """Of a speed alone that changed while the spindle turns: the number of its event, the state before it, and
+        where that is not known, the line: another command on it is the one that the speed is of."""
+        self._one_off: tuple[int, tuple[float, ...] | None] | None = None
+        """Of an output that switched one coolant off: the number of its event, the state before it."""
         self._coolant_words = dict(side.terms.coolant) if side.which == 0 else {}
 
     @property
@@ -167,10 +172,11 @@ class EventReader:
         elif seconds != 0.0:
             self._add("dwell", (seconds,), at, place)
 
-    def _turn(self, direction: float, speed: float, at: int, place: Place) -> None:
+    def _turn(self, direction: float, speed: float, at: int, place: Place, *, alone_speed: bool = False) -> None:
         now = (direction, speed if direction else 0.0)
         alone = self._speed_alone
-        if alone is not None and alone[0] == len(self.found) - 1 and self.found[-1].at == at:
+        is_next = alone is not None and alone[0] == len(self.found) - 1 and self.found[-1].at == at
+        if alone is not None and is_next and alone[2] in ("", place):
             # S before M3, M4 or M5 at one place: one command for the spindle.
             self.found.pop()
             self.spindle = alone[1]
@@ -178,8 +184,9 @@ class EventReader:
         before = self.spindle
         if now != before:
             self._add("spindle", now, at, place)
-            if before is not None and direction and before[0] == direction:
-                self._speed_alone = len(self.found) - 1, before
+            same_way = alone_speed or (before is not None and before[0] == direction)
+            if direction and (same_way or before is None):
+                self._speed_alone = len(self.found) - 1, before, "" if same_way else place
         self.spindle = now
 
     def _cool(self, now: tuple[float, ...], at: int, place: Place) -> None:
@@ -195,6 +202,18 @@ class EventReader:
             self._add("coolant", now, at, place)
         self.coolant = now
 
+    def _cool_by_output(self, now: tuple[float, ...], at: int, place: Place, *, is_off: bool) -> None:
+        """now: mist and flood; is_off: an output of one of them was switched off."""
+        before, off = self.coolant, self._one_off
+        self._one_off = None
+        if is_off and off is not None and off[0] == len(self.found) - 1 and self.found[-1].at == at:
+            self.found.pop()
+            self.coolant = before = off[1]
+        count = len(self.found)
+        self._cool(now, at, place)
+        if is_off and len(self.found) > count:
+            self._one_off = count, before
+
     def _set(self, what: str, channel: float, value: float, at: int, place: Place) -> None:
         if what != "spindle_speed":
             self.rests.add(at)
@@ -204,7 +223,7 @@ class EventReader:
         before = self.spindle or self._by_outputs()
         if before is not None and before[0]:
             self.rests.add(at)
-            self._turn(before[0], value, at, place)
+            self._turn(before[0], value, at, place, alone_speed=True)
 
     def _by_outputs(self) -> tuple[float, float] | None:
         """The direction that outputs which are known say, where nothing else does: after a stop."""
@@ -250,7 +269,7 @@ class EventReader:
             if None in now:
                 self._partial = Event("coolant outputs", (float(channel), value), at, place)
             else:
-                self._cool(tuple(float(bool(one)) for one in now), at, place)
+                self._cool_by_output(tuple(float(bool(one)) for one in now), at, place, is_off=value == 0.0)
         elif known != value:
             number = float(self.side.channels.get(channel, channel))
             self._add("output", (number, value), at, place, flying=text == 1)

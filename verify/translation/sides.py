@@ -63,6 +63,7 @@ class Side:
         self.inputs: dict[int, int] = {} if is_target else dict(terms.inputs)
         self.tools: dict[int, int] = {} if is_target else dict(terms.tools)
         self.spindle_channels = frozenset((*self.outputs.forward, *self.outputs.backward))
+        self.device_channels = self.spindle_channels | set(self.outputs.coolant)
         self._begin_tables()
 
     def _begin_tables(self) -> None:

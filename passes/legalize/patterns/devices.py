@@ -69,6 +69,8 @@ def rest_before_change(node: Node, feature: str, context: Context) -> list[Node]
         return None
     if "tool_change_running" not in legal and ("tool_change" in legal or not context.options.tool_change):
         return None
+    if "spindle" in context.uneven and context.spindle != "off":
+        return None
     change = replace(node, rests=False)
     return [*_spindle_off(node.span, context), change]
 
@@ -94,7 +96,9 @@ def change_at_rest(node: Node, feature: str, context: Context) -> list[Node] | N
 def rest_before_end(node: Node, feature: str, context: Context) -> list[Node] | None:
     """An end that stops spindle and coolant: both off, then the end. On a way on which the job has started none, there
     is nothing to be switched off."""
-    if not isinstance(node, EndJob) or context.uneven:
+    if not isinstance(node, EndJob):
+        return None
+    if ("spindle" in context.uneven and context.spindle != "off") or ("coolant" in context.uneven and context.coolant):
         return None
     found = _spindle_off(node.span, context)
     if context.coolant and "coolant" in context.switched:

@@ -54,12 +54,16 @@ def zero(node: Node, feature: str, context: Context) -> list[Node] | None:
 def _selected_for_some(node: SetFrame, context: Context) -> list[Node] | None:
     """A work offset that only some axes count from: the others keep their zero, for the next job too."""
     number = None if node.number is None else context.value(node.number)
-    kept = {a for a in context.options.axes if a not in node.axes and context.zero.place(a) != (number, 0.0)}
+    local = {} if context.local_off else context.local
+    places = {
+        axis: (place[0], place[1] + local.get(axis, 0.0))
+        for axis in AXIS_NAMES if local is not None and (place := context.zero.place(axis)) is not None
+    }  # fmt: skip
+    kept = {a for a in context.options.axes if a not in node.axes and places.get(a) != (number, 0.0)}
     if set(context.axes) <= set(node.axes) and not (kept and _readable("x", context)):
         return [replace(node, axes=())]
-    if number is None:
+    if number is None or local is None:
         return None
-    places = {axis: place for axis in AXIS_NAMES if (place := context.zero.place(axis)) is not None}
     wanted = places | {axis: (round(number), 0.0) for axis in node.axes}
     bases = {wanted.get(axis) for axis in (*context.axes, *context.options.axes)}
     if len(bases) == 1:
@@ -75,7 +79,19 @@ def _shifted_here(node: SetFrame, by: dict[str, float], context: Context) -> lis
         AxisPlace(axis, Quantity(Number(context.place[axis] - value, node.span), "mm" if axis in "xyz" else "deg"))
         for axis, value in by.items()
     )
+    context.borrowed = True
     return [SetFrame(action="local_here", places=places, span=node.span)]
+
+
+def without_shift(node: Node, feature: str, context: Context) -> list[Node] | None:
+    """A work offset ends shifts of the zero: those that are a local offset on the target are taken off first. A job
+    with local offsets of its own keeps these: what is whose is not known."""
+    if not isinstance(node, SetFrame) or not context.borrowed:
+        return None
+    if any(isinstance(one, SetFrame) and one.action.startswith("local") for one in context.nodes()):
+        return None
+    context.borrowed = False
+    return [SetFrame(action="local_off", span=node.span), node]
 
 
 def _key(node: SetFrame, context: Context) -> float:
@@ -134,5 +150,9 @@ def _value(axis: str, place: tuple[int, float], span: Span) -> Expr:
 PATTERNS = (
     Pattern(
         name="zero at a machine place -> spare work offset", removes=tuple(sorted(_ACTIONS)), apply=zero, unrolls=True
+    ),
+    Pattern(
+        name="work offset after a shift -> shift off, work offset", removes=("frame_select_local",),
+        apply=without_shift, unrolls=True,
     ),
 )  # fmt: skip

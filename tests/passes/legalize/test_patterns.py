@@ -199,6 +199,11 @@ CASES = {
         "mcuwin", job(rapid(x=10), frame("local_here", x=0), frame("select", 2), cut(x=0)),
         "rapid x10; zero_shift x10; select 2; zero_shift x10; cut x0", other_target="eding",
     ),
+    "work offset after a shift -> shift off, work offset": Case(
+        "grbl", job(rapid(x=10), frame("zero_shift", x=4), frame("select", 2), cut(x=0)),
+        "rapid x10; local_here x6; local_off; select 2; cut x0",
+        other=job(rapid(x=10), frame("local_here", x=4), frame("select", 2), cut(x=0)),
+    ),
     "local offset -> shift of the zero": Case(
         "mcuwin", job(rapid(x=10), frame("local_here", x=4), cut(x=0)), "rapid x10; zero_shift x6; cut x0",
         other_target="eding",

@@ -97,8 +97,10 @@ def _ways(trace: Trace, section: TraceSection, run: Run, by: int) -> Iterator[tu
         elif edge.wait not in (Wait.END, Wait.BRANCH):
             name = "stop" if edge.wait is Wait.OPERATOR else edge.wait.value
             if edge.wait is Wait.OPERATOR:
-                # The operator may have switched anything; the speed that is set is the controller's.
-                after.state = {name: value for name, value in after.state.items() if name == "speed"}
+                # The operator may have switched anything; the speed that is set is the controller's, and a command
+                # for one device leaves the outputs of the others as they are.
+                kept = {name: value for name, value in after.state.items() if name == "speed" or "channel" in name}
+                after.state = kept
             if edge.wait is not Wait.INPUT:
                 after.events.append((f"wait for {name}", (), len(after.parts)))
         if edge.target >= 0:
@@ -167,7 +169,7 @@ def _event(run: Run, op: Op, arg: list[float], text: int, outputs: SpindleOutput
         spindle = {*outputs.forward, *outputs.backward}
         if channel in spindle | set(outputs.coolant):
             run.state[f"channel {channel}"] = (arg[1],)
-            _device(run, outputs, channel in spindle, here)
+            _device(run, outputs, channel in spindle, here, is_off=not arg[1])
         else:
             _switch(run, f"output {channel - by}", (arg[1],), here)
     elif op is Op.SPINDLE:
@@ -175,8 +177,8 @@ def _event(run: Run, op: Op, arg: list[float], text: int, outputs: SpindleOutput
         _switch(run, "spindle", (arg[0], arg[1] if arg[0] else 0.0), here)
     elif op is Op.SETPOINT:
         run.state["speed"] = (arg[1],)
-        turning = run.state.get("spindle")
-        if turning is not None and turning[0]:
+        turning = run.state.get("spindle") or (_direction(run, outputs),)
+        if turning[0]:
             _switch(run, "spindle", (turning[0], arg[1]), here)
     elif op is Op.COOLANT:
         _switch(run, "coolant", (max(arg),), here)
@@ -211,14 +213,28 @@ def _switch(run: Run, name: str, values: tuple[float, ...], here: int) -> None:
     run.state[name] = values
 
 
-def _device(run: Run, outputs: SpindleOutputs, spindle: bool, here: int) -> None:
-    """What outputs that run the spindle or a coolant have made of it."""
-    on = {int(name.split()[1]) for name, value in run.state.items() if name.startswith("channel ") and value[0]}
+def _on(run: Run) -> set[int]:
+    """Channels that are on, of those that run a device."""
+    return {int(name.split()[1]) for name, value in run.state.items() if name.startswith("channel ") and value[0]}
+
+
+def _direction(run: Run, outputs: SpindleOutputs) -> float:
+    """In which direction outputs let the spindle turn."""
+    mine = _on(run) & {*outputs.forward, *outputs.backward}
+    return 0.0 if not mine else 1.0 if mine == set(outputs.forward) else -1.0
+
+
+def _device(run: Run, outputs: SpindleOutputs, spindle: bool, here: int, *, is_off: bool) -> None:
+    """What outputs that run the spindle or a coolant have made of it. One that is switched off while another one is on,
+    after a stop, is the first of two."""
     if not spindle:
-        _switch(run, "coolant", (float(bool(on & set(outputs.coolant))),), here)
+        cools = bool(_on(run) & set(outputs.coolant))
+        if not (cools and is_off and "coolant" not in run.state):
+            _switch(run, "coolant", (float(cools),), here)
         return
-    mine = on & {*outputs.forward, *outputs.backward}
-    direction = 0.0 if not mine else 1.0 if mine == set(outputs.forward) else -1.0
+    direction = _direction(run, outputs)
+    if direction and is_off and "spindle" not in run.state:
+        return
     _switch(run, "spindle", (direction, run.state.get("speed", (0.0,))[0] if direction else 0.0), here)
 
 
