@@ -15,12 +15,12 @@ from typing import Any
 
 import click
 
+from gproof.cli.board_commands import boards, run
 from gproof.cli.diff import diff
 from gproof.cli.help import Command, Group, option
 from gproof.cli.options import (
     AGAIN,
     ALSO,
-    BOARD,
     FILE,
     FORMAT,
     JOB,
@@ -28,15 +28,12 @@ from gproof.cli.options import (
     NO_END,
     PACKAGE,
     READ,
-    RECORD,
     REPORT,
     REQUIRED,
     SEVERAL,
     UNITS,
     FileName,
-    Finite,
     OneOf,
-    boards,
     dialects,
     documents,
     job_options,
@@ -344,61 +341,8 @@ def verify(
     )  # fmt: skip
 
 
-@cli.command(
-    cls=Command, short_help="Run a certified step stream on a board",
-    examples=(
-        "gproof run part.gpx --board virtual",
-        "gproof run part.gpx --board virtual --ask --record part.record.json",
-        "gproof run part.gpx --board klipper --port COM3 --machine m.toml --setup zero",
-    ),
-)  # fmt: skip
-@click.argument("package", type=FileName())
-@option("--board", title=BOARD, type=OneOf(boards), required=True, help="Board to run on")
-@option("--port", title=BOARD, metavar="PORT", help="Port of the board [default: that of the machine file]")
-@option("--baud", title=BOARD, metavar="RATE", type=click.IntRange(1200, 10_000_000), help="Speed of the port")
-@option("--ask", title=BOARD, is_flag=True, help="Ask at operator stops; a board that moves a machine always asks")
-@option("--real-time", title=BOARD, is_flag=True, help="Virtual board: take as long as the real machine")
-@option("--override", title=BOARD, metavar="FACTOR", type=Finite(0.1, 1.0), help="Feed override, 0.1 to 1")
-@option("--hold-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Feed hold at this time of the first section")
-@option("--estop-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Emergency stop at this time")
-@package_options
-@option(
-    "--allow-untrusted", title=REQUIRED, is_flag=True,
-    help="Run a package that no trusted key has signed (virtual board and emulator only)",
-)  # fmt: skip
-@option(
-    "--record", title=RECORD, metavar=FILE, type=FileName(), help="Write the execution record (JSON) to a file"
-)  # fmt: skip
-@option("--replace-record", title=RECORD, is_flag=True, help="Replace the record of an earlier run")
-@option(
-    "--runs", title=RECORD, metavar="FOLDER", type=FileName(),
-    help="Folder of journals and records [default: your own, for all runs]",
-)  # fmt: skip
-@option(
-    "--after-interruption", title=RECORD, is_flag=True,
-    help="Run although the last run was interrupted: you have checked the position of the axes",
-)  # fmt: skip
-def run(
-    package: Path, board: str, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
-    allow_untrusted: bool, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
-    override: float | None, ask: bool, replace_record: bool, runs: Path | None, after_interruption: bool,
-    port: str | None, baud: int | None,
-) -> int:  # fmt: skip
-    """Run a certified step stream on a board.
-
-    Every step is verified again before anything moves. The package must be signed with a key that you trust: your
-    own, one that --trust names, or one added with "gproof keys trust".
-    """
-    from gproof.cli.run import run_run
-    from gproof.cli.run_journal import alone
-
-    with alone(runs, board):
-        return run_run(
-            package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
-            override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
-            trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted, port=port,
-            baud=baud,
-        )  # fmt: skip
+cli.add_command(run)
+cli.add_command(boards)
 
 
 @cli.group(

@@ -105,6 +105,13 @@ def boards() -> Iterable[str]:
     return BOARDS
 
 
+def chips() -> Iterable[str]:
+    """What ``--chip`` takes."""
+    from gproof.backend.firmware import CHIPS
+
+    return CHIPS
+
+
 def documents() -> Iterable[str]:
     """What ``--format`` of ``check`` takes."""
     from gproof.report.formats import DOCUMENTS

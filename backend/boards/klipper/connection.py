@@ -31,6 +31,8 @@ HALF_BLOCK = 0.02
 
 WAIT = 0.05
 
+NOBODY = "no board found: nobody answers, or at another baud rate"
+
 
 class Answer(NamedTuple):
     """A message that arrived, between which moments it was made: host seconds."""
@@ -94,7 +96,7 @@ class Connection:
                 self.transport = Transport(sequence, window=64)
                 return
         if not heard:
-            raise BoardError("no board found: nobody answers, or at another baud rate")
+            raise BoardError(NOBODY)
         raise BoardError("no board found: what answers does not speak Klipper's protocol, or at another baud rate")
 
     def _drain(self) -> None:
