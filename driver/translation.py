@@ -24,7 +24,10 @@ from gproof.driver.translation_terms import (
     only_local,
     own_guards,
     printed_lengths,
+    rapid_rates,
+    rapids_asked,
     same_travel,
+    straight_rapids,
     with_lengths,
 )
 from gproof.driver.translation_traces import own_devices, trace_of
@@ -233,6 +236,8 @@ def legal_job(
         optional_stop=setup.optional_stop, lengths=lengths_of(session, machine, given),
         measured_tools=rules_named(session.dialect).measured_tools,
         zeros_end_contours=rules_named(session.dialect).zeros_end_contours,
+        straight_rapids=rapids_asked(session, target, machine, wanted.straight_rapids),
+        rapid_rates=rapid_rates(machine),
     )  # fmt: skip
     job = mapped.job
     if wanted.to != session.dialect:
@@ -418,6 +423,7 @@ def terms_of(
     given = done.map
     back = {new: old for old, new in given.tools.items()}
     spare = done.target.spare_offset if done.spare_used else 0
+    asked = rapids_asked(done.session, done.target, target, wanted.straight_rapids)
     axes = frozenset(name for name in AXIS_NAMES if source.axis(name) and target.axis(name))
     return TranslationTerms(
         axes=axes,
@@ -426,7 +432,9 @@ def terms_of(
         tolerance_deg=0.5 * 10.0**-style.decimals_deg * ROUNDING + 1e-9,
         chord_mm=wanted.chord_tolerance if chords else 0.0, feed_relative=1e-4, seconds=1e-4,
         source_outputs=own.spindle_outputs, target_outputs=outputs,
-        source_straight=own.rules.straight_traverse, target_straight=done.target.straight_rapids,
+        source_straight=straight_rapids(source, own.rules.straight_traverse),
+        target_straight=straight_rapids(target, done.target.straight_rapids),
+        rapid_rates=tuple(sorted(rapid_rates(target).items())) if asked == "target" else (),
         outputs=tuple(sorted(given.outputs.items())), inputs=tuple(sorted(given.inputs.items())),
         tools=tuple(sorted(given.tools.items())),
         source_symbols=only_local(done.session.dialect, done.target.name)

@@ -12,7 +12,7 @@ from gproof.driver.session import Session
 from gproof.driver.targets import TARGETS
 from gproof.ir.dialects import rules_named
 from gproof.ir.job import Job, UseLength, walk
-from gproof.ir.machine import AXIS_NAMES, Machine, Tool
+from gproof.ir.machine import AXIS_NAMES, AxisKind, Machine, Tool
 from gproof.ir.program import Number
 from gproof.ir.target import Target
 from gproof.ir.translation_map import TranslationMap
@@ -33,6 +33,29 @@ def measured(name: str, other: str, machine: Machine, numbers: Mapping[int, int]
 def _measures(name: str) -> bool:
     """Whether tools have measures in place of lengths, of a controller whose programs gproof reads."""
     return name in DIALECTS and rules_named(name).measured_tools
+
+
+def straight_rapids(machine: Machine, manual: bool | None) -> bool | None:
+    """Whether rapids of several axes are straight: as the machine file says, else as the manual does."""
+    stated = machine.controller.straight_traverse
+    return manual if stated is None else stated
+
+
+def rapids_asked(session: Session, target: Target, machine: Machine, asked: bool) -> str:
+    """On which side rapids of several axes, which are to be straight, are not: ``source``, ``target``, or neither."""
+    if not asked:
+        return ""
+    if straight_rapids(session.machine, rules_named(session.dialect).straight_traverse) is not True:
+        return "source"
+    return "" if straight_rapids(machine, target.straight_rapids) is True else "target"
+
+
+def rapid_rates(machine: Machine) -> dict[str, float]:
+    """mm/min by axis that linear axes can go at, where the machine file says so."""
+    return {
+        axis.name: axis.max_velocity * 60.0 for axis in machine.axes
+        if axis.kind is AxisKind.LINEAR and axis.max_velocity is not None
+    }  # fmt: skip
 
 
 def own_guards(dialect: str) -> frozenset[str]:

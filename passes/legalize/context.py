@@ -43,6 +43,7 @@ from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Expr, Number
 from gproof.ir.target import Target
 from gproof.passes.legalize.constants import constant
+from gproof.passes.legalize.feeds import NO_FEED, FeedInForce, feed_after, gives_feed
 from gproof.passes.legalize.job_axes import axes_of, moved_by
 from gproof.passes.legalize.options import Lowered, Options, Zero
 from gproof.passes.legalize.switched import switched_perhaps
@@ -57,7 +58,7 @@ MOST_OPERATIONS = 200_000
 _KNOWN = (
     "values", "place", "spindle", "coolant", "switched", "uneven", "turns", "program_place", "zero", "local_off",
     "kept", "local", "suspended", "remembered", "moved", "offsets", "doubtful", "selected", "shift", "length",
-    "measuring", "at_machine", "borrowed",
+    "measuring", "at_machine", "borrowed", "feed",
 )  # fmt: skip
 """What a context knows at a place."""
 
@@ -95,7 +96,8 @@ class Context:
     job itself uses the place for a kept zero; lengths_used: by tool; only: by axis the work offset that is the only
     zero of the target; at_machine: mm by axis from machine zero, of those that went there; as_is: frames and changes
     that are meant without a length, or have it already, with whether they move the place of Z; borrowed: the local
-    offset of the target may hold shifts of the zero, which end with it.
+    offset of the target may hold shifts of the zero, which end with it; feed: number, unit and per what of the feed in
+    force, NaN: none was given yet, None: not known.
     """
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
@@ -147,6 +149,7 @@ class Context:
         self.at_machine: dict[str, float] = {}
         self.only: dict[str, int] = {}
         self.as_is: list[tuple[Node, bool]] = []
+        self.feed: FeedInForce | None = NO_FEED
 
     @property
     def transform(self) -> Transform:
@@ -204,6 +207,8 @@ class Context:
         self.kept = {key: one for key, one in self.kept.items() if other["kept"].get(key) == one}
         self.length = self.length if self.length == other["length"] else None
         self.measuring = self.measuring and other["measuring"]
+        if str(self.feed) != str(other["feed"]):
+            self.feed = None
         for name in ("local", "suspended", "remembered"):
             if getattr(self, name) != other[name]:
                 setattr(self, name, None)
@@ -244,6 +249,7 @@ class Context:
         """Follow an operation that stays as it is."""
         for axis in moved_by(node) & self.at_machine.keys():
             del self.at_machine[axis]
+        self.feed = feed_after(node, self.feed, self.values)
         if isinstance(node, Moves):
             self._after_moves(node)
         elif isinstance(node, MoveTo):
@@ -500,6 +506,7 @@ class Context:
         self.uneven |= switched_perhaps(body, self.job.routines) - self.switched
         for node in self._all(body, set()):
             self._forget_device(node)
+            self.feed = None if gives_feed(node) else self.feed
             if isinstance(node, SetFrame):
                 self.zero, self.local_off = Zero(), False
                 if node.action in {"store", "store_here", "zero_keep"}:

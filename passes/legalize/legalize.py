@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gproof.ir.columns import Array
 from gproof.ir.finding import Span
 from gproof.ir.job import (
     ArcTo,
@@ -57,6 +58,7 @@ from gproof.passes.legalize.options import Lowered, Options
 from gproof.passes.legalize.pattern import Pattern
 from gproof.passes.legalize.patterns.constants import fold
 from gproof.passes.legalize.patterns.lengths import merged
+from gproof.passes.legalize.patterns.straight_rapids import rests, straight_rows
 from gproof.passes.legalize.registry import PATTERNS
 from gproof.passes.legalize.structured import structured
 from gproof.passes.legalize.transform import SAME, Transform
@@ -276,11 +278,25 @@ class _Legalizer:
             found.add("spindle_reverse")
         if isinstance(node, EndJob) and not node.rests and self.context.may_run:
             found |= {"end_reset_running" if node.reset else "end_running"} - self.target.legal.keys()
+        if self.options.straight_rapids:
+            found |= self._bent(node)
         if isinstance(node, DrillHole) and node.clearance is not None:
             own, given = self.target.peck_clearance, self.context.mm(node.clearance)
             if own is not None and given is not None and abs(given - own) < SAME_CLEARANCE:
                 found.discard("cycle_clearance")
         return sorted(found, key=lambda feature: -RANK[feature])
+
+    def _bent(self, node: Node) -> set[str]:
+        """What an operation has where its rapids are not straight on one side, and have to be."""
+        if isinstance(node, Moves):
+            return {"rapid_straight"} if straight_rows(node, self.context).any() else set()
+        if isinstance(node, ParkAt):
+            return {"rapid_straight"}
+        if isinstance(node, MoveTo):
+            several = len(node.to) if node.frame == "machine" else sum(not rests(one, self.context) for one in node.to)
+            return {"rapid_straight"} if node.kind == "rapid" and several > 1 else set()
+        several = sum(not rests(one, self.context) for one in node.at) if isinstance(node, DrillHole) else 0
+        return {"cycle_straight"} if several > 1 else set()
 
     def _returns(self, node: DrillHole) -> bool:
         """Whether a hole moves to heights to which a cycle that only knows its top does not: after it, or first up."""
@@ -354,22 +370,34 @@ class _Legalizer:
             instead = pattern.apply(node, feature, self.context)
             if instead is not None:
                 self._check_rank(pattern, feature, instead)
-                self.context.lowered.append(Lowered(pattern.name, feature, node.span))
+                self.context.lowered.append(Lowered(pattern.name, feature, self._place_of(node, feature)))
                 return instead
             tried.append(pattern.name)
         if isinstance(node, NotRaised):
             self._refuse(NotLegal(node.construct, node.why, node.span), for_good=True)
         else:
             why = self.context.why or self.target.why_not(feature)
-            self._refuse(NotLegal(FEATURES[feature], why, node.span, tuple(tried)), for_good=not tried)
+            where = self._place_of(node, feature)
+            self._refuse(NotLegal(FEATURES[feature], why, where, tuple(tried)), for_good=not tried)
         return None
+
+    def _rows_with(self, node: Moves, feature: str) -> Array | None:
+        """The rows of a table that have a feature, where it is one of rows."""
+        return straight_rows(node, self.context) if feature == "rapid_straight" else row_features(node).get(feature)
+
+    def _place_of(self, node: Node, feature: str) -> Span:
+        """The line of an operation, of a table that of its first row with a feature."""
+        rows = self._rows_with(node, feature) if isinstance(node, Moves) else None
+        if rows is None or not isinstance(node, Moves):
+            return node.span
+        return replace(node.span, line=int(node.rows["line"][int(np.argmax(rows))]))
 
     def _lost(self, node: Node, feature: str) -> list[Node]:
         """What stands for a refused operation: the rows of a table before it, and a mark."""
         lost = NotRaised(construct=self.refused[-1].construct, why=self.refused[-1].why, span=self.refused[-1].span)
         if not isinstance(node, Moves):
             return [lost]
-        rows = row_features(node).get(feature)
+        rows = self._rows_with(node, feature)
         first = 0 if rows is None else int(np.argmax(rows))
         lost = replace(lost, span=replace(lost.span, line=int(node.rows["line"][first])))
         return [replace(node, rows=node.rows.slice(0, first)), lost] if first else [lost]

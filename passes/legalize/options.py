@@ -14,7 +14,9 @@ class Options:
     optional_stop: whether the switch is on, None: not known; values: variables whose values are stated; axes: names of
     those that both machines have: the job may leave a zero on one that it does not move; lengths: mm of tools of the
     target, for one that has no tool lengths; measured_tools: a tool's length counts from its change on;
-    zeros_end_contours: motion with feed stops where the zero changes."""
+    zeros_end_contours: motion with feed stops where the zero changes; straight_rapids: rapids of several axes must be
+    straight, and are not on one side: ``source``, where nothing can be done, or ``target``; rapid_rates: by axis the
+    mm/min that the target's axes can go at."""
 
     chord_tolerance: float = 0.01
     coolant: Mapping[str, str] = field(default_factory=dict)
@@ -26,6 +28,8 @@ class Options:
     lengths: Mapping[int, float] = field(default_factory=dict)
     measured_tools: bool = False
     zeros_end_contours: bool = False
+    straight_rapids: str = ""
+    rapid_rates: Mapping[str, float] = field(default_factory=dict)
 
 
 @record(frozen=True, slots=True)

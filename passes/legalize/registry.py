@@ -22,6 +22,7 @@ from gproof.passes.legalize.patterns import (
     paths,
     places,
     routines,
+    straight_rapids,
     transforms,
 )
 
@@ -33,6 +34,7 @@ PATTERNS: tuple[Pattern, ...] = (
     *loops.PATTERNS,
     *constants.PATTERNS,
     *operators.PATTERNS,
+    *straight_rapids.PATTERNS,
     *cycles.PATTERNS,
     *arcs.PATTERNS,
     *transforms.PATTERNS,

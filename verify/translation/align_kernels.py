@@ -66,7 +66,8 @@ SOURCE, TARGET, BARRIER, CALM = 0, 1, 2, 3
 STEPS = 1000  # parts that one call compares, at most
 
 # What ``bounds`` holds.
-MM, DEGREES, CHORD_MM, FEED_SHARE, STRAIGHT, CALM_ENOUGH = 0, 1, 2, 3, 4, 5
+MM, DEGREES, CHORD_MM, FEED_SHARE, STRAIGHT, CALM_ENOUGH, LEAST_RATE = 0, 1, 2, 3, 4, 5, 6
+BOUNDS = 7
 
 # What a piece holds: start and end of its row, how much of it is done, whether it may be cut; of an arc its numbers.
 BEGIN, END, DONE, IS_ARC, CUTS, OPEN = 0, 6, 12, 13, 14, 23
@@ -279,15 +280,20 @@ def note(notes: Ints, what: int, i: int, j: int) -> None:
 
 @kernel(seconds_per_unit=2e-5, borrows=True)
 def alike(source: Moves, i: int, target: Moves, j: int, bounds: Floats, notes: Ints) -> int:
-    """What two moves are besides their path: feed and facts."""
+    """What two moves are besides their path: feed and facts. The feed of a rapid is the fastest that its axes allow."""
     if source.fact[i] != target.fact[j]:
         return FACT
-    if source.op[i] == TRAVERSE:
+    if target.op[j] == TRAVERSE:
         return AGREES
     one = source.feed[i]
     other = target.feed[j]
     if math.isnan(one) or math.isnan(other):
         note(notes, UNKNOWN_FEED, i, j)
+        return AGREES
+    if source.op[i] == TRAVERSE:
+        share = bounds[FEED_SHARE]
+        if other > one * (1.0 + share) or other < bounds[LEAST_RATE] * (1.0 - share):
+            return FEEDS
         return AGREES
     if abs(one - other) > bounds[FEED_SHARE] * max(one, other):
         return FEEDS
@@ -296,11 +302,14 @@ def alike(source: Moves, i: int, target: Moves, j: int, bounds: Floats, notes: I
 
 @kernel(seconds_per_unit=1e-4, borrows=True)
 def kinds(source: Moves, i: int, target: Moves, j: int, bounds: Floats) -> bool:
-    """Whether both are rapids, feed moves or probe moves; an arc is a feed move where chords are allowed."""
+    """Whether both are rapids, feed moves or probe moves; an arc is a feed move where chords are allowed, and a rapid
+    of several axes where the target may have a feed move for it."""
     one = source.op[i]
     other = target.op[j]
     if one == other:
         return True
+    if one == TRAVERSE and other == FEED:
+        return bool(bounds[LEAST_RATE] > 0.0 and source.axes[i] > 1)
     return bool(bounds[CHORD_MM] > 0.0 and one + other == FEED + ARC_OP and one != other)
 
 
@@ -346,7 +355,8 @@ def step(source: Moves, target: Moves, pieces: Floats, ints: Ints, bounds: Float
     fits = same_kind and source.frame[i] == target.frame[j] and source.before[i] == target.before[j]
     fits = fits and apart(one, 1.0, other, 1.0, bounds) <= 1.0 and shape(one, 1.0, other, 1.0, bounds) == AGREES
     cuts = one[CUTS] != 0.0 and other[CUTS] != 0.0 and source.frame[i] == target.frame[j]
-    bent = bends(source, i, bounds) or bends(target, j, bounds)
+    # Only where rapids of the source are straight, a feed move may stand for one.
+    bent = source.op[i] == target.op[j] and (bends(source, i, bounds) or bends(target, j, bounds))
     if not fits and cuts and same_kind and not bent:
         v = within(other, one, bounds)
         if v >= 0.0 and near(one, 1.0, other, v, bounds) and shape(one, 1.0, other, v, bounds) == AGREES:

@@ -44,10 +44,12 @@ class Alignment:
 
 def bounds_of(terms: TranslationTerms) -> Floats:
     """The numbers that the kernel compares with."""
-    bounds = np.zeros(6)
+    bounds = np.zeros(k.BOUNDS)
     straight = terms.source_straight is True and terms.target_straight is True
     bounds[k.MM], bounds[k.DEGREES], bounds[k.CHORD_MM] = terms.tolerance_mm, terms.tolerance_deg, terms.chord_mm
     bounds[k.FEED_SHARE], bounds[k.STRAIGHT], bounds[k.CALM_ENOUGH] = terms.feed_relative, float(straight), CALM
+    if terms.rapid_rates and terms.source_straight is True:
+        bounds[k.LEAST_RATE] = min(rate for _, rate in terms.rapid_rates)
     return bounds
 
 

@@ -7,12 +7,15 @@ where outcomes come together, and the machine goes on.
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
+from gproof.ir.columns import Columns
+from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.record import record
 from gproof.ir.trace import Edge, Op, TraceSection, Wait
 from gproof.verify.translation.align_kernels import Moves
@@ -253,10 +256,22 @@ class _Part:
         self.jumps = before != ends
         self.moves = Moves(
             op=op[take].astype(np.int64), to=np.ascontiguousarray(to[take]), frame=frame[take], before=before,
-            fact=side.facts(rows["state"])[take], feed=rows["feed"][take],
+            fact=side.facts(rows["state"])[take], feed=_rates(side, rows, moving)[take],
             center=side.shifted(rows["center"][take], raw[take]), turns=rows["turns"][take].astype(np.int64),
             plane=rows["plane"][take].astype(np.int64), axes=axes[take],
         )  # fmt: skip
+
+
+def _rates(side: Side, rows: Columns, moving: npt.NDArray[np.bool_]) -> Floats:
+    """The feed of each row; of a rapid of the source the fastest that the target's axes which move allow, NaN where
+    that of one is not known."""
+    feed: Floats = rows["feed"]
+    if side.which != 0 or not side.terms.rapid_rates:
+        return feed
+    given = dict(side.terms.rapid_rates)
+    rates = np.array([given.get(axis, math.nan) for axis in AXIS_NAMES])
+    most = np.where(moving, rates, math.inf).min(axis=1, initial=math.inf)
+    return np.where(rows["op"] == Op.TRAVERSE, most, feed)
 
 
 def _moving(side: Side, section: TraceSection, raw: Ints, to: Floats, start_to: Floats) -> npt.NDArray[np.bool_]:

@@ -50,6 +50,7 @@ TARGET = Target(
         "output_moving": "M-Codes M62-M65", "wait": "M-Codes M66", "wait_timeout": "M-Codes M66", "dwell": "G-Codes G4",
         "stop": "M-Codes M0 M1", "optional_stop": "M-Codes M0 M1", "overrides": "M-Codes M48 M49",
         "message": "Overview, Messages", "feed_alone": "Overview, F", "straight": "G-Codes G1", "rapid": "G-Codes G0",
+        "rapid_straight": "G-Codes G0", "cycle_straight": "G-Codes G81",
         "end": "M-Codes M2 M30", "end_reset": "M-Codes M2 M30", "end_rests": "M-Codes M2 M30",
         "comment": "Overview, Comments",
     },

@@ -15,6 +15,7 @@ from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.target import Style, Target
 
 LACKS = {
+    "rapid_straight": "each axis has its own velocity in a rapid (3.1)",
     "frame_rotate": "no code turns coordinates (3)",
     "system_variable": "what a variable of the controller holds is known in the run alone (12)",
     "question": "no command asks the operator (5.7)",

@@ -27,6 +27,7 @@ LACKS = {
     "compensation": "O of G41 is a difference of diameters, and the entry is open (G41, G42)",
     "input_read": "an input decides about the next line alone (M17.1)",
     "wait_timeout": "M17 waits without a limit (M17, M18)",
+    "rapid_straight": "the manual does not say that rapids are straight (G0)",
     "spindle_reverse": "its M3 or M4 leaves the output of the other one on (CNC.MAC): write M5 before it",
 }
 """Why constructs that nothing rewrites are refused."""

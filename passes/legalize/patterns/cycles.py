@@ -196,7 +196,7 @@ class _Hole:
 
 
 _ALL = (
-    "cycle_return", "cycle_peck_dwell", "cycle_plane", "cycle_relative", "cycle_clearance",
+    "cycle_return", "cycle_straight", "cycle_peck_dwell", "cycle_plane", "cycle_relative", "cycle_clearance",
     "cycle_drill", "cycle_dwell", "cycle_peck", "cycle_chip_break",
     "cycle_bore", "cycle_bore_dwell", "cycle_bore_stop",
 )  # fmt: skip

@@ -8,11 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
+import numpy as np
 from support.each import each
 from support.jobs_by_hand import PLACE, at, cut, job, mm, number, rapid, run, said, variable
 
 from gproof.driver.targets import TARGETS
+from gproof.ir.columns import Columns
 from gproof.ir.job import (
+    MOVE,
     AllowOverrides,
     ArcTo,
     ChangeTool,
@@ -25,6 +28,7 @@ from gproof.ir.job import (
     Feed,
     Job,
     LoopWhile,
+    Moves,
     MoveTo,
     Node,
     OptionalPart,
@@ -118,6 +122,7 @@ class Case:
 
 LENGTH = UseLength(on=True, tool=number(4), span=PLACE)
 LONG = Options(lengths={4: 50.0, 5: 60.0})
+STRAIGHT = Options(straight_rapids="target", rapid_rates={"x": 6000.0, "y": 5000.0, "z": 3000.0})
 
 CASES = {
     "array -> its cells": Case(
@@ -158,6 +163,15 @@ CASES = {
     "repeated hole -> single holes": Case(
         "linuxcnc", job(hole(repeats=number(2))),
         "drill x1 y2 z1 to z-3 back to top; drill x1 y2 z1 to z-3 back to top", other_target="eding",
+    ),
+    "straight rapid -> feed move": Case(
+        "mcuwin", job(replace(cut(x=1), feed=Feed(mm(100))), rapid(x=9, y=5)), "cut x1 f100; cut x9 y5 f5000; SetFeed",
+        options=STRAIGHT,
+    ),
+    "drilling cycle -> a move to the hole before it": Case(
+        "wincnc", job(rapid(x=0), rapid(y=0), rapid(z=5), hole()),
+        "rapid x0; rapid y0; rapid z5; cut x1 y2 f5000; drill x1 y2 z1 to z-3 back to top",
+        options=STRAIGHT,
     ),
     "relative hole -> absolute hole": Case(
         "linuxcnc", job(rapid(x=10, y=20, z=5), hole(relative=True)),
@@ -386,6 +400,42 @@ def test_a_guard_that_only_one_controller_has_is_left_out_and_others_are_kept() 
     assert [node.name for node in legal.job.body if isinstance(node, SwitchGuard)] == ["machine_area"]
     assert "Eding CNC has no guard that the program switches: boundaries" in legal.assumed
     assert legalize(job(*off), TARGETS["wincnc"].target(), Options()).refused
+
+
+def test_the_feed_before_a_rapid_that_becomes_a_feed_move_counts_after_it() -> None:
+    """A table: F100, a rapid of X and Y at their rate, one of X alone, and a move that goes on with F100."""
+    arrays = MOVE.empty(4)
+    arrays["kind"][:] = [2, 1, 1, 2]
+    arrays["axes"][:] = [1, 3, 1, 1]
+    arrays["to"][:, 0], arrays["to"][:, 1] = [1, 2, 3, 4], [0, 7, 0, 0]
+    arrays["feed"][:] = [100.0, np.nan, np.nan, np.nan]
+    table = Moves(rows=Columns(MOVE, arrays), unit="mm", span=PLACE)
+    (found,) = legalize(job(table), TARGETS["mcuwin"].target(), STRAIGHT).job.body
+    assert isinstance(found, Moves)
+    assert found.rows["kind"].tolist() == [2, 2, 1, 2]
+    assert np.array_equal(found.rows["feed"], [100.0, 5000.0, np.nan, 100.0], equal_nan=True)
+    # At the end of a table it is said after it; where it is not known, nothing is written.
+    nodes = legalize(job(replace(table, rows=table.rows.slice(0, 2)), cut(x=5)), TARGETS["mcuwin"].target(), STRAIGHT)
+    assert said(nodes.job.body).endswith("SetFeed; cut x5")
+    open_feed = replace(cut(x=1), feed=Feed(mm(variable(7))))
+    refused = legalize(job(open_feed, rapid(x=9, y=5)), TARGETS["mcuwin"].target(), STRAIGHT).refused
+    assert [one.construct for one in refused] == ["rapid of several axes that must be straight"]
+
+
+def test_rapids_that_are_straight_on_neither_side_are_refused_and_why() -> None:
+    both = replace(STRAIGHT, straight_rapids="source")
+    turned = job(rapid(x=1, a=5))
+    for options, body, why in (
+        (both, job(rapid(x=1, y=2)), "leave out --rapids straight"),
+        (STRAIGHT, turned, "a rotary axis moves along"),
+        (replace(STRAIGHT, rapid_rates={"x": 6000.0}), job(rapid(x=1, y=2)), "no velocity of Y"),
+        (STRAIGHT, job(rapid(x=1, y=2, frame="machine")), "move one axis at a time"),
+    ):
+        (refused,) = legalize(body, TARGETS["wincnc"].target(), options).refused
+        assert why in refused.why, refused.why
+    alone = job(rapid(x=1), rapid(y=2), rapid(x=1, y=3), rapid(z=5), rapid(x=1), rapid(y=2), hole())
+    legal = legalize(alone, TARGETS["wincnc"].target(), both)
+    assert not legal.refused and not legal.lowered
 
 
 def test_a_variable_that_holds_a_place_is_that_place_where_it_is_known() -> None:

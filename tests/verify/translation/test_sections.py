@@ -141,6 +141,34 @@ def test_rapids_of_several_axes(shop: Shop) -> None:
     assert shop.compared(whole, cut, dataclasses.replace(bent, rapids_assumed=True)).verdict is UNSAFE
 
 
+def test_a_straight_rapid_may_be_a_feed_move_as_fast_as_its_axes(shop: Shop) -> None:
+    """X and Y go 6000 mm/min, Z 3000: a feed move of X and Y is from 3000 to 6000, one with Z is 3000."""
+    modes, end = "G21 G90\nG1 X1 Y0 F100\nG0 Z5\n", "G1 Z-1 F100\nM30\n"
+    rates = (("x", 6000.0), ("y", 6000.0), ("z", 3000.0))
+    terms = dataclasses.replace(STRAIGHT, target_straight=None, rapid_rates=rates)
+    rapid = f"{modes}G0 X10 Y10\n{end}"
+    for feed, verdict in ((6000, SAFE), (3000, SAFE), (6100, UNSAFE), (2900, UNSAFE), (100, UNSAFE)):
+        fed = f"{modes}G1 X10 Y10 F{feed}\n{end}"
+        assert shop.compared(rapid, fed, terms).verdict is verdict, feed
+    wrong = (
+        f"{modes}G1 X10 Y10.1 F6000\n{end}", f"{modes}G1 X10 F6000\nY10\n{end}",
+        f"{modes}G1 X10 Y10 F6000\nG1 Z-1\nM30\n",
+    )  # fmt: skip
+    assert all(shop.compared(rapid, fed, terms).verdict is UNSAFE for fed in wrong)
+    # A rapid of one axis stays one, a move with feed is no rapid, and without a straight source nothing is known.
+    fed = f"{modes}G1 X10 Y10 F6000\n{end}"
+    assert shop.compared(f"{modes}G0 X10\n{end}", f"{modes}G1 X10 F6000\n{end}", terms).verdict is UNSAFE
+    assert shop.compared(fed, rapid, terms).verdict is UNSAFE
+    for other in (dataclasses.replace(terms, source_straight=None), STRAIGHT):
+        assert shop.compared(rapid, fed, other).verdict is UNSAFE
+    deep = f"{modes}G0 X10 Y10 Z9\n{end}"
+    assert shop.compared(deep, f"{modes}G1 X10 Y10 Z9 F6000\n{end}", terms).verdict is UNSAFE
+    assert shop.compared(deep, f"{modes}G1 X10 Y10 Z9 F3000\n{end}", terms).verdict is SAFE
+    assert shop.compared(rapid, f"{modes}G1 X5.5 Y5 F6000\nX10 Y10\n{end}", terms).verdict is SAFE
+    # An axis whose velocity nobody says: how fast it may go is not known.
+    assert shop.compared(rapid, fed, dataclasses.replace(terms, rapid_rates=rates[:1])).verdict is UNKNOWN
+
+
 POLLED = "G21 G90\nG0 Z5\nM56 P3\nWHILE [#5399 == 0]\nG4 P0.1\nM56 P3\nENDWHILE\nG0 X10\nM30\n"
 
 
