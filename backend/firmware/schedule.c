@@ -30,10 +30,15 @@ void clock_start(void)
     TIMSK1 = _BV(TOIE1) | _BV(OCIE1A);
 }
 
-ISR(TIMER1_OVF_vect)
+static inline __attribute__((always_inline)) void count_overflow(void)
 {
     if (++clock_middle == 0)
         ++clock_top;
+}
+
+ISR(TIMER1_OVF_vect)
+{
+    count_overflow();
 }
 
 static inline __attribute__((always_inline)) uint32_t read_clock(void)
@@ -76,14 +81,10 @@ uint32_t clock_high(uint32_t *low)
     return high;
 }
 
-/* A match that came while the handler ran is taken back: it would call the handler again for nothing, before any other.
- * simavr 1.6 loses a match right after the overflow, and takes back the overflow together with the match: near it, and while it
- * is not counted yet, the match stays. The counter is looked at first, or the overflow could come between the two looks. */
+/* simavr 1.6 loses a match right after the overflow. */
 static inline __attribute__((always_inline)) void set_match(uint16_t at)
 {
     OCR1A = at < 16 ? 16 : at;
-    if (TCNT1 < 0xffd0 && !(TIFR1 & _BV(TOV1)))
-        TIFR1 = _BV(OCF1A);
 }
 
 static inline __attribute__((always_inline)) void insert(struct timer *timer, uint32_t behind)
@@ -134,6 +135,10 @@ void schedule_clear(void)
 
 ISR(TIMER1_COMPA_vect)
 {
+    if (TIFR1 & _BV(TOV1)) { /* at a high rate of steps its own handler would wait for longer than half a period */
+        TIFR1 = _BV(TOV1);
+        count_overflow();
+    }
     uint32_t entered = read_clock();
     struct timer *fired = NULL, **end = &fired; /* motors whose pulse began, in order */
     for (;;) {

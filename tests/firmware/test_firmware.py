@@ -258,7 +258,7 @@ def random_runs(rng: np.random.Generator, runs: int, rate: float, most: int = 80
     return found
 
 
-@pytest.mark.parametrize(("chip", "motors"), [("328p", 1), ("328p", 4), ("2560", 2), ("2560", 4)])
+@pytest.mark.parametrize(("chip", "motors"), [("328p", 1), ("328p", 2), ("328p", 4), ("2560", 2), ("2560", 4)])
 def test_steps_come_on_their_ticks_at_20_kHz_of_all_motors(chip: str, motors: int, start: Start) -> None:
     board = start(chip, motors=motors, pulse=80)
     client = board.client
@@ -277,6 +277,17 @@ def test_steps_come_on_their_ticks_at_20_kHz_of_all_motors(chip: str, motors: in
     pulses = board.changes(STEP_PINS[0], 0) - board.changes(STEP_PINS[0])
     assert pulses.min() >= 80
     assert RAM_OF_CHIP["328p"] - board.flush()[2] <= RAM or chip != "328p"
+
+
+@pytest.mark.parametrize("chip", CHIPS)
+def test_a_processor_with_hardly_any_time_left_still_counts_the_overflows_of_its_clock(chip: str, start: Start) -> None:
+    """Steps every 600 cycles leave the clock's own interrupt no turn for longer than half its period of 65,536."""
+    board = start(chip, motors=1)
+    runs = [Run(20_000, 1), Run(600, 2500), Run(40_000, 3)]
+    base = open_section(board.client, 1)
+    board.client.send_many(messages_of(board.client, 0, runs))
+    at_rest(board, 1, [2504])
+    agree(board, 0, base, runs)
 
 
 @pytest.mark.parametrize("chip", CHIPS)
