@@ -7,6 +7,8 @@ cuts one. So everything not yet sent can still be retimed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -63,25 +65,27 @@ class _Cursor:
     def __init__(self, runs: Columns, words: Words) -> None:
         interval, count, add = (runs[name].astype(np.int64) for name in ("interval", "count", "add"))
         direction = runs["direction"].copy()
-        add = np.where(count == 1, 0, add)
         if (wrong := words.problem(runs)) is not None:
             raise BoardError(wrong)
-        most = np.where(words.single(interval, count, add), 1, words.count)
+        single = words.single(interval, count, add)
+        # Of one step ``add`` means nothing; it stays where it can, so that a run goes out as the same parts wherever
+        # it is cut: a board's sum of executed runs takes them together.
+        grows = np.where(single | ((count == 1) & (np.abs(add) > words.add)), 0, add)
+        most = np.where(single, 1, words.count)
         if (count > most).any():
             parts = -(-count // most)
-            most = np.repeat(most, parts)
+            most, grows = np.repeat(most, parts), np.repeat(grows, parts)
             place = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
             skipped = place * most
             interval, add = np.repeat(interval, parts), np.repeat(add, parts)
             count = np.minimum(np.repeat(count, parts) - skipped, most)
             interval = interval + add * skipped
-            add = np.where(most == 1, 0, add)
             direction = np.repeat(direction, parts)
         self.interval: Ints = interval
         self.count: Ints = count
-        self.add: Ints = add
+        self.add: Ints = grows
         self.direction = direction
-        span = count * interval + add * (count * (count - 1) // 2)
+        span = count * interval + grows * (count * (count - 1) // 2)
         self.end: Ints = np.cumsum(span, dtype=np.int64)
         self.due: Ints = self.end - span + interval
         self.next = 0
@@ -182,18 +186,25 @@ class Feeder:
             first = min(first, int(self._events[self._event][0]))
         return None if first == _NEVER else first
 
-    def fill(self, board: Board, free: int, until: int) -> None:
-        """Send what is due up to ``until``, as far as ``free`` runs reach; earlier steps first."""
+    def fill(
+        self, board: Board, free: int, until: int, before: Callable[[tuple[int, ...]], None] = lambda _: None
+    ) -> None:  # fmt: skip
+        """Send what is due up to ``until``, as far as ``free`` runs reach; earlier steps first.
+
+        before: told how many steps of each motor are given out with this, before anything of it is.
+        """
         waiting = [m.due[m.next : m.next + free + 1] for m in self._motors]
         due = np.concatenate([w[: np.searchsorted(w, until, side="right")] for w in waiting])
         if len(due) > free:
             due.partition(free)
             until = min(until, int(due[free]) - 1)
+        taken = [motor.take(until) for motor in self._motors]
+        if any(map(len, taken)):
+            before(tuple(motor.sent for motor in self._motors))
         while self._event < len(self._events) and int(self._events[self._event][0]) <= until:
             tick, row, op, arg = self._events[self._event]
             board.queue_event(int(tick), int(row), int(op), (int(arg[0]), int(arg[1])))
             self._event += 1
-        for number, motor in enumerate(self._motors):
-            runs = motor.take(until)
+        for number, runs in enumerate(taken):
             if len(runs):
                 board.queue_runs(number, runs)

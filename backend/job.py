@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -17,6 +18,15 @@ from gproof.verify.certificate.check import check_package
 from gproof.verify.certificate.measured import moved_to
 from gproof.verify.certificate.package import Package
 from gproof.verify.certificate.signers import Trusted
+
+
+def identity_of(certificate: str) -> bytes:
+    """32 bytes that stand for a certified stream: SHA-256 of its certificate's body, which names it."""
+    try:
+        found = bytes.fromhex(certificate)
+    except ValueError:
+        found = b""
+    return found if len(found) == hashlib.sha256().digest_size else hashlib.sha256(certificate.encode()).digest()
 
 
 class RunRefused(Exception):

@@ -17,17 +17,22 @@ import os
 import re
 import secrets
 import stat
-from collections.abc import Iterator, Mapping
+import threading
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
+from gproof.backend.mark import Given, Mark, read_mark
 from gproof.backend.record_data import canonical, sync_folder
 from gproof.backend.trail import Entry, Trail
 from gproof.ir.private_folder import make_private
 from gproof.ir.record import record
 
-SCHEMA = "gproof-journal/1"
+SCHEMA = "gproof-journal/2"
+FIRST_SCHEMA = "gproof-journal/1"
+"""Still read; it says nothing of losses and bounds."""
+
 SUFFIX, ENDED, DAMAGED = ".journal", ".ended", ".damaged"
 """Of an open journal; of one that is closed; of one that could not be read to its end, after somebody was informed."""
 
@@ -37,7 +42,7 @@ KEPT = 50
 LARGEST = 1 << 28
 """Bytes of a journal that are read; a day of motion takes a tenth of it."""
 
-_FIRST = hashlib.sha256(SCHEMA.encode()).hexdigest()
+_FIRST = {schema: hashlib.sha256(schema.encode()).hexdigest() for schema in (SCHEMA, FIRST_SCHEMA)}
 _DIGITS = 64
 _BEGINS = re.compile(rb"[0-9a-f]{0,64}|[0-9a-f]{64} (\{[ -~]*)?")
 """What a line is that was being written."""
@@ -49,20 +54,31 @@ class Notes(Protocol):
     def note(self, kind: str, fields: Mapping[str, Any], *, sync: bool) -> None:
         """Keep an entry; sync: it is on the disk when this returns. OSError when it cannot be kept."""
 
+    def mark(self, fields: Mapping[str, Any]) -> None:
+        """Say how much a board has been given at most, before it is; OSError when that cannot be said (``Given``)."""
+
 
 class Journal:
     """A journal that is being written.
 
     heading: further fields of the entry ``begin``: who started the run, and for what. ``note`` keeps what could not be
-    written, and the next ``note`` writes it first, never after half a line.
+    written, and the next ``note`` writes it first, never after half a line. marks: folder of its mark (None: it has
+    none). behind: what need not be synced is written and synced by a thread, so that nobody waits for the disk; what
+    went wrong there the next ``note`` raises.
     """
 
-    def __init__(self, path: Path, board: str, heading: Mapping[str, Any]) -> None:
+    def __init__(
+        self, path: Path, board: str, heading: Mapping[str, Any], *, marks: Path | None = None, behind: bool = False
+    ) -> None:
         """Make the file, which must not be there, and hold it; OSError."""
         self.path = path
-        self._heading = {"schema": SCHEMA, "place": board, **heading}
-        self._check = _FIRST
+        self._heading = {"schema": SCHEMA, "place": board, "mark": "", **heading}
+        self._check = _FIRST[SCHEMA]
         self._size = 0
+        self._mark: Mark | None = None
+        self._writer = _Writer(self._flush_behind) if behind else None
+        self._lock = threading.Lock()
+        self._failed: OSError | None = None
         self._torn = False
         self._pending: list[bytes] = []
         self._handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_EXCL, 0o600)
@@ -72,6 +88,11 @@ class Journal:
         except BaseException:
             self.discard()
             raise
+        if marks is not None:
+            # Without one less is known of a run that is killed, and no more.
+            with contextlib.suppress(OSError):
+                self._mark = Mark(marks, path.stem)
+                self._heading["mark"] = str(self._mark.path)
 
     def note(self, kind: str, fields: Mapping[str, Any], *, sync: bool) -> None:
         """See ``Notes``."""
@@ -79,7 +100,34 @@ class Journal:
         line = _line(self._check, {"kind": kind, "time": _now(), **entry})
         self._check = line[:_DIGITS].decode()
         self._pending.append(line)
-        self._flush(sync)
+        if self._writer is not None and not sync:
+            self._writer.wake()
+            failed, self._failed = self._failed, None
+            if failed is not None:
+                raise failed
+            return
+        with self._lock:
+            self._failed = None
+            self._flush(sync)
+
+    def mark(self, fields: Mapping[str, Any]) -> None:
+        """See ``Notes``; nothing where there is no place for marks."""
+        if self._mark is not None:
+            mark = self._mark
+            try:
+                mark.write(fields)
+            except OSError:
+                self._mark = None
+                raise
+
+    def _flush_behind(self) -> None:
+        """What the thread does: errors wait for the next ``note``."""
+        with self._lock:
+            try:
+                if self._handle >= 0 and self._pending:
+                    self._flush(True)
+            except OSError as error:
+                self._failed = error
 
     def _flush(self, sync: bool) -> None:
         if self._torn:
@@ -103,10 +151,16 @@ class Journal:
         self.note("recorded", {"path": record}, sync=False)
         self.note("closed", {}, sync=True)
         os.replace(self.path, self.path.with_suffix(ENDED))
+        if self._mark is not None:
+            self._mark.remove()
         self.let_go()
 
     def let_go(self) -> None:
         """Close the file as it is."""
+        if self._writer is not None:
+            self._writer.end()
+        if self._mark is not None:
+            self._mark.let_go()
         if self._handle >= 0:
             handle, self._handle = self._handle, -1
             with contextlib.suppress(OSError):
@@ -114,9 +168,41 @@ class Journal:
 
     def discard(self) -> None:
         """Remove the file: nothing was started."""
+        if self._mark is not None:
+            self._mark.remove()
         with contextlib.suppress(OSError):
             self.path.unlink()
         self.let_go()
+
+
+class _Writer:
+    """A thread that writes when it is woken, until it is ended."""
+
+    def __init__(self, write: Callable[[], None]) -> None:
+        self._write = write
+        self._woken = threading.Event()
+        self._over = False
+        self._thread: threading.Thread | None = None
+
+    def wake(self) -> None:
+        """There is something to write."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
+            self._thread.start()
+        self._woken.set()
+
+    def _run(self) -> None:
+        while not self._over:
+            self._woken.wait()
+            self._woken.clear()
+            self._write()
+
+    def end(self) -> None:
+        """What there is to write is written."""
+        self._over = True
+        self._woken.set()
+        if self._thread is not None:
+            self._thread.join()
 
 
 def _write(handle: int, data: bytes) -> None:
@@ -137,13 +223,16 @@ def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def begin(folder: Path, board: str, heading: Mapping[str, Any]) -> Journal:
-    """A new journal in a folder, which is made when it is not there; OSError."""
+def begin(
+    folder: Path, board: str, heading: Mapping[str, Any], *, marks: Path | None = None, behind: bool = False
+) -> Journal:
+    """A new journal in a folder, which is made when it is not there; OSError. marks, behind: see ``Journal``."""
     make_private(folder)
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
     for old in sorted(folder.glob(f"*{ENDED}"))[:-KEPT]:
         old.unlink(missing_ok=True)
-    return Journal(folder / f"{stamp}-{_plain(board)[:40]}-{secrets.token_hex(4)}{SUFFIX}", board, heading)
+    path = folder / f"{stamp}-{_plain(board)[:40]}-{secrets.token_hex(4)}{SUFFIX}"
+    return Journal(path, board, heading, marks=marks, behind=behind)
 
 
 def _plain(name: str) -> str:
@@ -182,6 +271,11 @@ class Found:
         places = [fields.get("path") for kind, fields in self.entries if kind == "recorded"]
         return str(places[-1]) if places else ""
 
+    def given(self) -> Given | None:
+        """What its mark says; None where there is none that can be believed."""
+        path = self.field("mark")
+        return read_mark(Path(path), self.path.stem) if path else None
+
     def trail(self) -> Trail:
         """What it says of the run, up to what can be believed."""
         trail = Trail()
@@ -204,8 +298,11 @@ def read_journal(path: Path) -> Found:
 
 def _parsed(path: Path, data: bytes) -> Found:
     entries: list[Entry] = []
-    check = _FIRST
     lines = data.split(b"\n")
+    schema = SCHEMA
+    if not lines[0].startswith(_chained(_FIRST[SCHEMA], lines[0][_DIGITS + 1 :]).encode()):
+        schema = FIRST_SCHEMA
+    check = _FIRST[schema]
     for number, line in enumerate(lines[:-1], start=1):
         text = line[_DIGITS + 1 :]
         if line[: _DIGITS + 1] != f"{_chained(check, text)} ".encode():
@@ -219,7 +316,7 @@ def _parsed(path: Path, data: bytes) -> Found:
         entries.append((kind, fields))
     if not _BEGINS.fullmatch(lines[-1]):
         return Found(path=path, entries=tuple(entries), damaged=len(lines))
-    if entries and entries[0][1].get("schema") != SCHEMA:
+    if entries and entries[0][1].get("schema") != schema:
         return Found(path=path, entries=(), damaged=1)
     return Found(path=path, entries=tuple(entries))
 
@@ -240,7 +337,8 @@ class Left:
         last = whole[whole.rfind(b"\n", 0, len(whole) - 1) + 1 :]
         if len(whole) < len(data):
             os.ftruncate(self._handle, len(whole))
-        _write(self._handle, _line(last[:_DIGITS].decode() or _FIRST, {"kind": kind, "time": _now(), **fields}))
+        before = last[:_DIGITS].decode() or _FIRST[SCHEMA]
+        _write(self._handle, _line(before, {"kind": kind, "time": _now(), **fields}))
         os.fsync(self._handle)
         self.found = read_journal(self.found.path)
 
@@ -250,7 +348,14 @@ class Left:
             self.note("closed", {})
         path = self.found.path
         os.replace(path, path.with_suffix(DAMAGED if self.found.damaged else ENDED))
+        self._unmark()
         self.let_go()
+
+    def _unmark(self) -> None:
+        """Remove its mark, if that is one."""
+        if self.found.given() is not None:
+            with contextlib.suppress(OSError):
+                Path(self.found.field("mark")).unlink()
 
     def let_go(self) -> None:
         """Let others have it."""
@@ -261,6 +366,7 @@ class Left:
     def remove(self) -> None:
         """Remove the file: nothing was started."""
         self.found.path.unlink(missing_ok=True)
+        self._unmark()
         self.let_go()
 
 

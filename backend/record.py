@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gproof.backend.boards.board import Observed
+from gproof.backend.boards.board import VIRTUAL, Known, Observed
 from gproof.backend.job import CertifiedJob, job_from
 from gproof.backend.record_data import ExecutionRecord, Result, SectionRecord
 from gproof.backend.record_parse import parse_record, read_record
-from gproof.backend.retime import Spacing, retime, slow_map
+from gproof.backend.record_proof import executed_problems, sent
 from gproof.backend.runs import Done, done_by, expand
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
@@ -42,7 +42,8 @@ def problems(record: ExecutionRecord, job: CertifiedJob) -> Iterator[str]:
         yield f"the board counted {record.board.tick_frequency} ticks a second, not {stream.tick_frequency}"
     motors = len(stream.motors)
     lists = [record.start, record.steps, record.last_position if record.position is None else record.position]
-    lists += [v for s in record.sections for v in (s.steps, s.position, s.accepted)]
+    lists += [v for s in record.sections for v in (s.steps, s.position, s.accepted, s.most or s.steps)]
+    lists += [v for s in record.sections for one in s.losses for v in (one.steps, one.most or one.steps)]
     if any(len(v) != motors for v in lists):
         yield "not one count for each motor"
         return
@@ -52,16 +53,19 @@ def problems(record: ExecutionRecord, job: CertifiedJob) -> Iterator[str]:
     at = record.start
     for section in record.sections:
         if 0 <= section.number < len(stream.sections):
-            yield from _section(section, stream.sections[section.number], at, job)
+            yield from _section(section, stream.sections[section.number], at, job, record)
         at = section.position
     totals = tuple(sum(s.steps[m] for s in record.sections) for m in range(motors))
     if record.steps != totals:
         yield f"{list(record.steps)} steps in all, {list(totals)} in the sections"
+    known = record.sections[-1].known if record.sections else Known.EXACT
     if record.position is None:
-        if record.result not in (Result.INTERRUPTED, Result.FAULT):
+        if record.result not in (Result.INTERRUPTED, Result.FAULT) and known is Known.EXACT:
             yield f"the position is not known, but the result is {record.result.value}"
     elif record.sections and record.sections[-1].outcome is Result.INTERRUPTED:
         yield f"section {record.sections[-1].number} was interrupted, but the record says that the position is known"
+    elif known is not Known.EXACT:
+        yield f"of section {record.sections[-1].number} the position is not known, but the record says that it is"
     elif record.position != at:
         yield f"ended at {list(record.position)}, but the last section ended at {list(at)}"
     if not record.observed.clean:
@@ -104,7 +108,9 @@ def _edge(section: SectionRecord) -> tuple[str, str, int]:
     return section.wait, section.answer, section.target
 
 
-def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], job: CertifiedJob) -> Iterator[str]:
+def _section(
+    done: SectionRecord, planned: StreamSection, at: tuple[int, ...], job: CertifiedJob, record: ExecutionRecord
+) -> Iterator[str]:  # fmt: skip
     """Steps, position and events of one section."""
     where = f"section {done.number}"
     if at != planned.start:
@@ -118,6 +124,8 @@ def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], j
     if complete and done.ticks != section.duration:
         yield f"{where}: completed after {done.ticks} ticks; it takes {section.duration}"
     broken = done.outcome in (Result.UNDERRUN, Result.FAULT, Result.INTERRUPTED)
+    # A board with a clock of its own states when it stopped, or was heard to have: some steps may be due before.
+    broken |= done.outcome is Result.EMERGENCY_STOP and record.board.name != VIRTUAL
     for motor, runs, start, steps, position in zip(
         job.stream.motors, section.runs, section.start, done.steps, done.position, strict=True
     ):
@@ -128,23 +136,24 @@ def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], j
         if steps < due.steps:
             _, directions = expand(runs)
             due = Done(steps, int(directions[:steps].sum(dtype="int64")), 0)
-        if position != start + due.net:
+        if done.known is not Known.UNKNOWN and position != start + due.net:
             yield f"{where}: motor {motor.name} ended at {position}; its steps lead to {start + due.net}"
+    yield from _bounds(done, section, where, broken)
+    yield from executed_problems(done, section, record, where)
     table = zip(*(section.events[n].tolist() for n in ("tick", "row", "op")), strict=True)
     events = tuple(e for e in table if complete or e[0] <= done.ticks)
     if done.events != events and not (broken and done.events == events[: len(done.events)]):
         yield f"{where}: {len(done.events)} events were executed, which are not the {len(events)} of the stream"
 
 
-def sent(done: SectionRecord, planned: StreamSection, job: CertifiedJob) -> StreamSection:
-    """The section as it was sent, made again from the record's retimings; ValueError when they make none."""
-    section = planned
-    for change in done.retimings:
-        times = change.times()
-        if change.kind == "override":
-            meant = slow_map(section, job.stream.tick_frequency, change.factor_value())
-            if meant.source.tolist() != times.source.tolist() or meant.target.tolist() != times.target.tolist():
-                raise ValueError(f"the time map does not fit an override of {change.factor}")
-        spacing = Spacing.of(job.machine, job.stream.tick_frequency, exact=change.exact)
-        section = retime(section, times, spacing)
-    return section
+def _bounds(done: SectionRecord, section: StreamSection, where: str, broken: bool) -> Iterator[str]:
+    """What is not known of a section, and what was lost in it."""
+    if not broken and (done.known is not Known.EXACT or done.most or done.losses):
+        yield f"{where}: {done.outcome.value}, but not all is known of it"
+    whole = tuple(int(runs["count"].sum()) for runs in section.runs)
+    if any(not least <= most <= all_ for least, most, all_ in zip(done.steps, done.most, whole, strict=False)):
+        yield f"{where}: {list(done.most)} steps at most, {list(done.steps)} at least, {list(whole)} in the stream"
+    for loss in done.losses:
+        later = any(least > made for least, made in zip(loss.steps, done.steps, strict=True))
+        if later or any(least > most for least, most in zip(loss.steps, loss.most, strict=False)):
+            yield f"{where}: {list(loss.steps)} steps were known when the board was lost, {list(done.steps)} later"

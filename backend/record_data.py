@@ -20,17 +20,25 @@ from typing import Any
 
 import numpy as np
 
-from gproof.backend.boards.board import Observed
+from gproof.backend.boards.board import Capabilities, Counting, Executed, Known, Observed
 from gproof.backend.time_map import TimeMap
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.record import record
 
-SCHEMA = "gproof-record/2"
+SCHEMA = "gproof-record/3"
+SECOND_SCHEMA = "gproof-record/2"
 FIRST_SCHEMA = "gproof-record/1"
-"""Still read: it has no ``accepted`` and no ``unproved``, and its position was always taken to be known."""
+"""Still read. Both say nothing of what a board counts, of losses and of bounds; the first has no ``accepted`` and no
+``unproved``, and its position was always taken to be known."""
 
-UNPROVED = (
+SCHEMAS = (FIRST_SCHEMA, SECOND_SCHEMA, SCHEMA)
+
+NEW_OF_BOARD = ("counting", "firmware", "identity", "longest", "longest_rest", "most_add", "watched")
+NEW_OF_SECTION = ("executed", "known", "losses", "most")
+"""Fields that came with ``SCHEMA``."""
+
+EARLIER_UNPROVED = (
     "board",
     "observed",
     "reason",
@@ -42,6 +50,7 @@ UNPROVED = (
     "sections.steps",
     "sections.ticks",
 )
+UNPROVED = tuple(sorted((*EARLIER_UNPROVED, "sections.executed", "sections.known", "sections.losses", "sections.most")))
 """Fields that rest on what the board, or who was asked, said: comparing with the package shows that they can be so."""
 
 TRUSTED, ANY_SIGNER, ALLOWED = "trusted-key", "any-signer", "allow-untrusted"
@@ -99,6 +108,23 @@ class Retiming:
 
 
 @record(frozen=True, slots=True, kw_only=True)
+class Loss:
+    """A board that was not heard any more.
+
+    tick: of the section, when it was heard last; steps: certainly made by then, by motor; most: all that it can have
+    made (empty: not known); reason: what was lost; found: whether it was reached again; known: how well it then said
+    where its motors are.
+    """
+
+    tick: int
+    reason: str
+    steps: tuple[int, ...]
+    most: tuple[int, ...] = ()
+    found: bool = False
+    known: Known = Known.BETWEEN
+
+
+@record(frozen=True, slots=True, kw_only=True)
 class SectionRecord:
     """One section as executed.
 
@@ -106,7 +132,9 @@ class SectionRecord:
     position: in steps at its end, by motor; accepted: runs the board took, by motor; events: (tick, row, op)
     carried out; wait, answer, target: what ended it, what was answered ("": nothing), and where that leads.
     Of an interrupted section steps, position, ticks, accepted and events are what was acknowledged last: it
-    had come at least so far.
+    had come at least so far. known: how well the board knew its position; most: steps that it made at most, by motor
+    (empty: ``steps`` where it is known exactly, else not known); executed: what it counted itself, by motor (empty: it
+    does not count, or was not asked); losses: of the line to it.
     """
 
     number: int
@@ -120,11 +148,16 @@ class SectionRecord:
     wait: str = ""
     answer: str = ""
     target: int = -1
+    known: Known = Known.EXACT
+    most: tuple[int, ...] = ()
+    executed: tuple[Executed, ...] = ()
+    losses: tuple[Loss, ...] = ()
 
 
 @record(frozen=True, slots=True, kw_only=True)
 class BoardRecord:
-    """The board that ran the job; what ``Capabilities`` says of it."""
+    """The board that ran the job; what ``Capabilities`` says of it. longest: its ``max_interval``; longest_rest: its
+    ``max_rest``; most_add: its ``max_add``."""
 
     name: str
     motors: int
@@ -133,6 +166,23 @@ class BoardRecord:
     step_pulse: int
     direction_setup: int
     real_time: bool
+    identity: str = ""
+    firmware: str = ""
+    watched: bool = True
+    most_add: int = 2**61
+    longest: int = 2**61
+    longest_rest: int = 0
+    counting: Counting | None = None
+
+    @classmethod
+    def of(cls, is_: Capabilities) -> BoardRecord:
+        """Of a board that was opened."""
+        return cls(
+            name=is_.name, motors=is_.motors, tick_frequency=is_.tick_frequency, fifo_runs=is_.fifo_runs,
+            step_pulse=is_.step_pulse, direction_setup=is_.direction_setup, real_time=is_.real_time,
+            identity=is_.identity, firmware=is_.firmware, watched=is_.watched, most_add=is_.max_add,
+            longest=is_.max_interval, longest_rest=is_.max_rest, counting=is_.counting,
+        )  # fmt: skip
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -172,10 +222,16 @@ class ExecutionRecord:
     def body(self) -> dict[str, Any]:
         """Everything that the hash covers, as plain JSON values."""
         body = plain(self)
+        if self.schema != SCHEMA:
+            for name in NEW_OF_BOARD:
+                del body["board"][name]
+            for section in body["sections"]:
+                for name in NEW_OF_SECTION:
+                    del section[name]
         if self.schema == FIRST_SCHEMA:
             del body["accepted"]
         else:
-            body["unproved"] = list(UNPROVED)
+            body["unproved"] = list(UNPROVED if self.schema == SCHEMA else EARLIER_UNPROVED)
         return dict(body)
 
     def to_json(self, signature: dict[str, str] | None = None) -> bytes:
@@ -259,6 +315,6 @@ def plain(value: Any) -> Any:
         return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
     if isinstance(value, tuple | list):
         return [plain(v) for v in value]
-    if isinstance(value, Result):
+    if isinstance(value, Result | Known):
         return value.value
     return value

@@ -8,14 +8,19 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from gproof.backend.boards.board import Observed
+from gproof.backend.boards.board import Counting, Executed, Known, Observed
 from gproof.backend.record_data import (
     ANY_SIGNER,
+    EARLIER_UNPROVED,
     FIRST_SCHEMA,
+    NEW_OF_BOARD,
+    NEW_OF_SECTION,
     SCHEMA,
+    SCHEMAS,
     UNPROVED,
     BoardRecord,
     ExecutionRecord,
+    Loss,
     Result,
     Retiming,
     SectionRecord,
@@ -35,7 +40,7 @@ def parse_signed(data: bytes) -> tuple[ExecutionRecord, dict[str, str] | None]:
     """The record and its signature, which is not checked (None: unsigned); ValueError as of ``parse_record``."""
     try:
         value = _json(data)
-        if not isinstance(value, dict) or value.get("schema") not in (SCHEMA, FIRST_SCHEMA):
+        if not isinstance(value, dict) or value.get("schema") not in SCHEMAS:
             raise ValueError(f"it is not of schema {SCHEMA}")
         if data.removesuffix(b"\n") != canonical(value):
             raise ValueError("it is not in canonical form (keys sorted, none twice, no blanks)")
@@ -80,7 +85,7 @@ def _record(value: dict[str, Any]) -> ExecutionRecord:
     first = value["schema"] == FIRST_SCHEMA
     if first:
         value["accepted"] = ANY_SIGNER
-    elif value.pop("unproved", None) != list(UNPROVED):
+    elif value.pop("unproved", None) != list(UNPROVED if value["schema"] == SCHEMA else EARLIER_UNPROVED):
         raise ValueError("the list of what is not proved was changed")
     _only(value, ExecutionRecord)
     position = value["position"]
@@ -107,17 +112,44 @@ def observed_of(value: dict[str, Any]) -> Observed:
 
 
 def board_of(value: dict[str, Any]) -> BoardRecord:
-    """What a board said it is; ValueError."""
-    _only(value, BoardRecord)
-    numbers = ("motors", "tick_frequency", "fifo_runs", "step_pulse", "direction_setup")
-    return BoardRecord(
-        name=text_of(value["name"]), real_time=_bool(value["real_time"]), **{n: int_of(value[n]) for n in numbers}
+    """What a board said it is, without the newer fields where an earlier gproof wrote it; ValueError."""
+    earlier = _only(value, BoardRecord, NEW_OF_BOARD)
+    told = BoardRecord(
+        name=text_of(value["name"]),
+        motors=int_of(value["motors"]),
+        tick_frequency=int_of(value["tick_frequency"]),
+        fifo_runs=int_of(value["fifo_runs"]),
+        step_pulse=int_of(value["step_pulse"]),
+        direction_setup=int_of(value["direction_setup"]),
+        real_time=_bool(value["real_time"]),
+    )
+    if earlier:
+        return told
+    return dataclasses.replace(
+        told,
+        identity=text_of(value["identity"]),
+        firmware=text_of(value["firmware"]),
+        watched=_bool(value["watched"]),
+        most_add=int_of(value["most_add"]),
+        longest=int_of(value["longest"]),
+        longest_rest=int_of(value["longest_rest"]),
+        counting=None if value["counting"] is None else counting_of(value["counting"]),
     )
 
 
+def counting_of(value: dict[str, Any]) -> Counting:
+    """How a board was given the runs that it counts; ValueError."""
+    _only(value, Counting)
+    levels = ints_of(value["levels"])
+    rest, lead = int_of(value["rest"]), int_of(value["lead"])
+    if not set(levels) <= {0, 1} or not (0 < lead < rest or rest == lead == 0):
+        raise ValueError("levels are 0 or 1, and a clock base is set within the rest before its step")
+    return Counting(levels=levels, rest=rest, lead=lead)
+
+
 def section_of(value: dict[str, Any]) -> SectionRecord:
-    """One section; ValueError."""
-    _only(value, SectionRecord)
+    """One section, without the newer fields where an earlier gproof wrote it; ValueError."""
+    earlier = _only(value, SectionRecord, NEW_OF_SECTION)
     events = [ints_of(v) for v in value["events"]]
     if any(len(e) != 3 for e in events):
         raise ValueError("an event has a tick, a row and an op")
@@ -133,6 +165,32 @@ def section_of(value: dict[str, Any]) -> SectionRecord:
         wait=text_of(value["wait"]),
         answer=text_of(value["answer"]),
         target=int_of(value["target"]),
+        known=Known.EXACT if earlier else Known(value["known"]),
+        most=() if earlier else ints_of(value["most"]),
+        executed=() if earlier else tuple(executed_of(v) for v in value["executed"]),
+        losses=() if earlier else tuple(loss_of(v) for v in value["losses"]),
+    )
+
+
+def executed_of(value: dict[str, Any]) -> Executed:
+    """What a board counted of one motor; ValueError."""
+    _only(value, Executed)
+    steps, crc = int_of(value["steps"]), int_of(value["crc"])
+    if steps < 0 or not 0 <= crc < 2**32:
+        raise ValueError("a count is not negative, and a CRC has 32 bits")
+    return Executed(steps, crc)
+
+
+def loss_of(value: dict[str, Any]) -> Loss:
+    """One loss of the line; ValueError."""
+    _only(value, Loss)
+    return Loss(
+        tick=int_of(value["tick"]),
+        reason=text_of(value["reason"]),
+        steps=ints_of(value["steps"]),
+        most=ints_of(value["most"]),
+        found=_bool(value["found"]),
+        known=Known(value["known"]),
     )
 
 
@@ -153,10 +211,13 @@ def retiming_of(value: dict[str, Any]) -> Retiming:
     )
 
 
-def _only(value: dict[str, Any], cls: type) -> None:
+def _only(value: dict[str, Any], cls: type, newer: tuple[str, ...] = ()) -> bool:
+    """ValueError unless it has the fields of a class; all or none of the newer ones. True: none of them."""
     names = {f.name for f in dataclasses.fields(cls)}
-    if set(value) != names:
+    earlier = bool(newer) and set(value) == names - set(newer)
+    if set(value) != names and not earlier:
         raise ValueError(f"{cls.__name__}: fields {sorted(set(value) ^ names)} missing or unknown")
+    return earlier
 
 
 def int_of(value: object) -> int:

@@ -8,7 +8,6 @@ an ExecutionRecord that says how far it came, and what it is made from goes into
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -22,6 +21,7 @@ from gproof.backend.boards.board import (
     BoardError,
     Capabilities,
     EventDone,
+    Executed,
     Observed,
     Status,
     ticks_up,
@@ -29,21 +29,14 @@ from gproof.backend.boards.board import (
 from gproof.backend.control import Control
 from gproof.backend.feed import Words, as_sent
 from gproof.backend.interrupts import interrupts
-from gproof.backend.job import CertifiedJob, RunRefused, checked_job
+from gproof.backend.job import CertifiedJob, RunRefused, checked_job, identity_of
 from gproof.backend.journal import Notes
 from gproof.backend.link import Link, LinkPlan, link_plan, shortage_text
 from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
-from gproof.backend.record_data import (
-    TRUSTED,
-    BoardRecord,
-    ExecutionRecord,
-    Result,
-    Retiming,
-    SectionRecord,
-    plain,
-)
+from gproof.backend.record_data import TRUSTED, ExecutionRecord, Loss, Result, Retiming, plain
 from gproof.backend.retime import GREATEST_FACTOR, LEAST_FACTOR
 from gproof.backend.retimer import Retimer
+from gproof.backend.section_notes import at_fields, begin_fields, loss_of, section_fields, since
 from gproof.backend.section_run import SLICE, Pace, SectionRun
 from gproof.backend.trail import Trail
 from gproof.ir import codes
@@ -196,6 +189,8 @@ class _Walk:
         self._noted = 0
         self._events: list[EventDone] = []
         self._events_noted = 0
+        self._losses: list[Loss] = []
+        self._started = 0
         self._all_ticks = 1
         self.observed = Observed()
         self.retimer = Retimer(job.stream.motors, job.machine, job.stream.tick_frequency, self._accept)
@@ -215,7 +210,7 @@ class _Walk:
             raise
         try:
             try:
-                self.board.present(_identity(self.job.certificate))
+                self.board.present(identity_of(self.job.certificate))
                 number = 0
                 while number >= 0:
                     number = self._section(number, is_)
@@ -250,25 +245,7 @@ class _Walk:
 
     def _begin(self, is_: Capabilities) -> None:
         """Everything that the record says of a run that has not moved yet; OSError when that cannot be kept."""
-        board = BoardRecord(
-            name=is_.name,
-            motors=is_.motors,
-            tick_frequency=is_.tick_frequency,
-            fifo_runs=is_.fifo_runs,
-            step_pulse=is_.step_pulse,
-            direction_setup=is_.direction_setup,
-            real_time=is_.real_time,
-        )
-        fields = {
-            "certificate": self.job.certificate,
-            "job": self.job.name,
-            "board": plain(board),
-            "motors": [m.name for m in self.job.stream.motors],
-            "start": list(self.job.stream.sections[0].start),
-            "accepted": self.job.accepted,
-            "signer": self.job.signer,
-        }
-        self._write("begin", fields, sync=True)
+        self._write("begin", begin_fields(self.job, is_), sync=True)
 
     def _end(self) -> None:
         fields = {"result": self.result.value, "reason": self.reason, "observed": plain(self.observed)}
@@ -304,8 +281,11 @@ class _Walk:
             on_tick=self._show,
             on_retimed=lambda held: self._write("retimed", {"retimings": plain([*retimings, *held])}),
         )
+        run.on_sending = lambda given: self._mark(before, run, given)
+        run.on_lost = lambda lost, found: self._lost(before, run, lost, found)
         run.on_tick = lambda now: self._passed(now, before, run)
-        self._noted, self._events, self._events_noted = 0, [], 0
+        self._noted, self._events, self._events_noted, self._losses = 0, [], 0, []
+        self._started += 1
         try:
             run.run()
         except KeyboardInterrupt:
@@ -397,20 +377,37 @@ class _Walk:
 
     def _note(self, before: Status, run: SectionRun, planned: list[Retiming]) -> None:
         """Write down how a section went, from the board's first and last answers."""
-        ended = run.ended
-        after = run.seen or before
         self._take_events()
-        done = SectionRecord(
-            number=ended.section.number,
-            outcome=ended.outcome,
-            ticks=ended.ticks,
-            retimings=(*planned, *ended.retimings),
-            steps=tuple(int(b - a) for a, b in zip(before.steps, after.steps, strict=True)),
-            position=tuple(int(place) for place in after.position),
-            accepted=tuple(int(b - a) for a, b in zip(before.accepted, after.accepted, strict=True)),
-            events=tuple((e.tick - run.base, e.row, e.op) for e in self._events),
-        )
-        self._write("ended", {"section": plain(done), "reason": ended.reason, "known": ended.known}, sync=True)
+        executed: tuple[Executed, ...] = ()
+        with contextlib.suppress(BoardError):
+            executed = self.board.executed()
+        fields = section_fields(before, run, planned, self._events, executed, tuple(self._losses))
+        self._write("ended", fields, sync=True)
+
+    def _lost(self, before: Status, run: SectionRun, lost: Status, found: Status | None) -> None:
+        """The board is not heard any more, or was found again."""
+        loss = loss_of(before, lost, run.base, lost.reason, found)
+        if found is not None:
+            self._losses.pop()
+        self._losses.append(loss)
+        self._write("lost" if found is None else "found", plain(loss), sync=True)
+
+    def _mark(self, before: Status, run: SectionRun, given: tuple[int, ...]) -> None:
+        """Before anything is sent: how much of the section the board has then been given."""
+        if self.journal is None:
+            return
+        seen = run.seen or before
+        fields = {
+            "place": self._started,
+            "tick": max(0, seen.tick - run.base),
+            "steps": list(since(before.steps, seen.steps)),
+            "accepted": list(since(before.accepted, seen.accepted)),
+            "given": list(given),
+        }
+        try:
+            self.journal.mark(fields)
+        except OSError as error:
+            self.control.end_at_rest(f"the journal cannot be written ({error.strerror or error})")
 
     def _take_events(self) -> None:
         """What the board carried out since it was last asked."""
@@ -426,14 +423,7 @@ class _Walk:
             self._take_events()
             new = [e for e in self._events[self._events_noted :] if e.tick <= seen.tick]
             self._events_noted += len(new)
-            fields = {
-                "tick": now,
-                "steps": [int(b - a) for a, b in zip(before.steps, seen.steps, strict=True)],
-                "position": [int(place) for place in seen.position],
-                "accepted": [int(b - a) for a, b in zip(before.accepted, seen.accepted, strict=True)],
-                "events": [[e.tick - run.base, e.row, e.op] for e in new],
-            }
-            self._write("at", fields)
+            self._write("at", at_fields(now, before, seen, new, run.base))
         self._show(now)
 
     def _show(self, now: int) -> None:
@@ -498,15 +488,6 @@ class _Walk:
     def _answer(self, edge: Edge | None) -> None:
         if edge is not None:
             self._write("answer", {"wait": edge.wait.value, "answer": edge.outcome, "target": edge.target})
-
-
-def _identity(certificate: str) -> bytes:
-    """32 bytes that stand for a certified stream: SHA-256 of its certificate's body, which names it."""
-    try:
-        found = bytes.fromhex(certificate)
-    except ValueError:
-        found = b""
-    return found if len(found) == hashlib.sha256().digest_size else hashlib.sha256(certificate.encode()).digest()
 
 
 def _request(trace: Trace, section: TraceSection) -> WaitRequest:

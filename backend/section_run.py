@@ -85,6 +85,8 @@ class SectionRun:
         self.estop_at = estop_at
         self.on_tick = on_tick
         self.on_retimed = on_retimed
+        self.on_sending: Callable[[tuple[int, ...]], None] = lambda _: None
+        self.on_lost: Callable[[Status, Status | None], None] = lambda _, __: None
         self.ended = Ended(Result.FAULT, 0, section)
         self.base = 0
         self.seen: Status | None = None
@@ -111,7 +113,7 @@ class SectionRun:
         self.seen = status = self.board.status()
         now = status.tick - self.base
         if status.state is not BoardState.RUNNING:
-            self.end(self.board.find() if status.state is BoardState.LOST else status)
+            self.end(self._found(status) if status.state is BoardState.LOST else status)
             return False
         self.on_tick(now)
         if self.control.stop_asked or (self.estop_at is not None and now >= self.estop_at):
@@ -122,6 +124,14 @@ class SectionRun:
             return False
         self._feed(status, now)
         return True
+
+    def _found(self, lost: Status) -> Status:
+        """Look for a board that was lost; what it says, or what was known of it before."""
+        self.on_lost(lost, None)
+        found = self.board.find()
+        if found.state is not BoardState.LOST:
+            self.on_lost(lost, found)
+        return found
 
     def interrupted(self) -> None:
         """An interrupt that nobody was ready to hear: an emergency stop."""
@@ -173,9 +183,10 @@ class SectionRun:
             until = min(until, self._asked[0])
         feeder = self._feeder
         if not self._finished:
-            feeder.fill(self.board, status.free, until)
+            feeder.fill(self.board, status.free, until, self.on_sending)
         due = feeder.next_due
-        if self._held is not None and (due is None or due > goal):
+        if (self._held is not None and (due is None or due > goal)) or (due is None and self._asked is not None):
+            # At rest, or all is sent and a hold may still come: nothing more is due.
             self.board.commit(None)
             due = None
         elif due is not None:
@@ -249,6 +260,14 @@ class SectionRun:
         self.ended.retimings.append(prepared.retiming)
         self.on_retimed(self.ended.retimings)
 
+    def _settled(self, tick: int) -> Status:
+        """What a board says whose section was finished at a tick that has passed: it counts once more."""
+        status = self.board.status()
+        while status.state is BoardState.RUNNING:
+            self.board.wait(max(self.base + tick, status.tick + 1))
+            status = self.board.status()
+        return status
+
     def _rest(self, now: int) -> bool:
         """At rest in a feed hold: go on or end here. False when the section is over."""
         held = self._held
@@ -266,6 +285,11 @@ class SectionRun:
                 self._held = None
                 return True
         self.board.finish_section(now)
+        status = self._settled(now)
+        if status.state is not BoardState.IDLE:
+            self.end(self._found(status) if status.state is BoardState.LOST else status)
+            return False
+        self.seen = status
         self.ended.outcome = Result.REFUSED if resume else Result.STOPPED
         self.ended.ticks = begins
         self.ended.reason = f"section {number}: " + (

@@ -10,9 +10,19 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from gproof.backend.boards.board import Observed
+from gproof.backend.boards.board import Known, Observed
 from gproof.backend.record_data import BoardRecord, ExecutionRecord, Result, SectionRecord
-from gproof.backend.record_parse import board_of, hex_of, int_of, ints_of, observed_of, retiming_of, section_of, text_of
+from gproof.backend.record_parse import (
+    board_of,
+    hex_of,
+    int_of,
+    ints_of,
+    loss_of,
+    observed_of,
+    retiming_of,
+    section_of,
+    text_of,
+)
 from gproof.ir.trace import Wait
 
 Entry = tuple[str, dict[str, Any]]
@@ -20,7 +30,8 @@ Entry = tuple[str, dict[str, Any]]
 
 
 class Trail:
-    """Entries in their order. ``add`` takes one; the record can be requested at any moment."""
+    """Entries in their order. ``add`` takes one; the record can be requested at any moment. started: sections that
+    were started, as the mark of a journal counts them."""
 
     def __init__(self) -> None:
         self.ended = False
@@ -29,6 +40,7 @@ class Trail:
         self._board: BoardRecord | None = None
         self._sections: list[SectionRecord] = []
         self._open: SectionRecord | None = None
+        self.started = 0
         self._why, self._known = "", True
         self._result = Result.INTERRUPTED
         self._reason = ""
@@ -48,6 +60,11 @@ class Trail:
     def _over(self) -> bool:
         """True when the program's end was reached: no section can follow."""
         return self.ended or bool(self._sections and self._sections[-1].wait == Wait.END.value)
+
+    @property
+    def open_section(self) -> SectionRecord | None:
+        """The section that was started and has not ended."""
+        return self._open
 
     @property
     def sections(self) -> list[SectionRecord]:
@@ -84,9 +101,14 @@ class Trail:
                 steps=(0,) * len(self._start),
                 position=self._motors(fields["start"]),
                 accepted=(0,) * len(self._start),
+                known=Known.BETWEEN,
             )
+            self.started += 1
         elif kind == "withdrawn":
             self._open = None
+            self.started -= 1
+        elif kind in ("lost", "found"):
+            self._heard_of_loss(fields, found=kind == "found")
         elif kind == "retimed":
             self._open = replace(self._now, retimings=tuple(retiming_of(v) for v in fields["retimings"]))
         elif kind == "at":
@@ -103,7 +125,7 @@ class Trail:
             )
         elif kind == "ended":
             done = section_of(fields["section"])
-            for counts in (done.steps, done.position, done.accepted):
+            for counts in (done.steps, done.position, done.accepted, done.most or done.steps):
                 self._motors(list(counts))
             self._sections.append(done)
             self._open, self._why = None, text_of(fields["reason"])
@@ -121,6 +143,16 @@ class Trail:
             self.ended = True
         else:
             raise ValueError(f"an entry of kind {kind!r} is not known")
+
+    def _heard_of_loss(self, fields: dict[str, Any], *, found: bool) -> None:
+        loss = loss_of({name: value for name, value in fields.items() if name != "time"})
+        before = self._now.losses
+        if loss.found is not found or (found and not (before and not before[-1].found)):
+            raise ValueError("a board is lost before it is found")
+        for counts in (loss.steps, loss.most or loss.steps):
+            self._motors(list(counts))
+        most = self._now.most if found else loss.most
+        self._open = replace(self._now, losses=(*(before[:-1] if found else before), loss), most=most)
 
     @property
     def _start(self) -> tuple[int, ...]:

@@ -60,6 +60,33 @@ def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ..
     return of.verdict.exit_code
 
 
+def _proved(of: VerifiedRecord) -> list[str]:
+    """Which steps are proved by the board's own counts, which are only acknowledged, and what is not known."""
+    from gproof.backend.record_proof import Proof
+
+    if not of.proofs:
+        return []
+    out = []
+    words = {
+        Proof.PROVED: "the board's count and CRC-32 are those of the stream",
+        Proof.ACKNOWLEDGED: "the board took them and its clock passed them",
+        Proof.UNKNOWN: "at least",
+    }
+    for proof, word in words.items():
+        some = [one for one in of.proofs if one.proof is proof]
+        if not some:
+            continue
+        sections = sorted({one.section for one in some})
+        of_sections = f"in section{'s' * (len(sections) > 1)} {', '.join(map(str, sections[:8]))}"
+        more = ", …" if len(sections) > 8 else ""
+        out.append(f"  {proof.value:<12}{sum(one.steps for one in some)} steps {of_sections}{more}: {word}")
+        if proof is Proof.UNKNOWN:
+            for one in some:
+                most = "how many it made is not known" if one.most is None else f"at most {one.most}"
+                out.append(f"    section {one.section}, motor {one.motor}: at least {one.steps} steps, {most}")
+    return out
+
+
 def _malformed(path: Path, what: str) -> int:
     findings = Findings()
     findings.add(codes.RECORD_MALFORMED.at(Span(str(path), 0), what=in_one_line(what)))
@@ -85,10 +112,17 @@ def _lines(
         out.append(f"  compared    with nothing; {package} cannot be compared with")
     else:
         out.append(f"  compared    with {package}: sections, steps, positions, events")
-    out.append(f"  job         {record.job}, on board {record.board.name}")
+    board = f"{record.board.name} {record.board.identity}".rstrip()
+    firmware = f", firmware {record.board.firmware}" if record.board.firmware else ""
+    out.append(f"  job         {record.job}, on board {board}{firmware}")
     out.append(f"  result      {record.result.value}" + (f": {record.reason}" if record.reason else ""))
     ends = "ends at" if record.position is not None else "position not known, last acknowledged at"
     for name, steps, position in zip(record.motors, record.steps, record.last_position, strict=False):
         out.append(f"  motor {name:<5} {steps} steps, {ends} step {position}")
+    for section in record.sections:
+        for loss in section.losses:
+            after = f"found again, position {loss.known.value}" if loss.found else "not found again"
+            out.append(f"  lost        in section {section.number} at tick {loss.tick}: {loss.reason}; {after}")
+    out += _proved(of)
     out.append("  not proved  what only the board knows: that these steps were made, when, and what it measured")
     return out

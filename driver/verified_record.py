@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from gproof.backend.job import job_from
 from gproof.backend.record_data import ExecutionRecord
+from gproof.backend.record_proof import MotorProof, proofs
 from gproof.driver.escape import in_one_line
 from gproof.driver.key_ring import OWN as OWN_NAME
 from gproof.driver.verified import verdict_of
@@ -24,12 +26,14 @@ class VerifiedRecord:
 
     signer: what its key is to the user (OWN, TRUSTED or UNKNOWN)
     compared: whether there was a package that could be read to compare it with
+    proofs: what is known of each section and motor, where it fits that package
     """
 
     verdict: Verdict
     findings: tuple[Finding, ...]
     signer: str
     compared: bool
+    proofs: tuple[MotorProof, ...] = ()
 
 
 def verified_record(
@@ -44,9 +48,14 @@ def verified_record(
             against = read_package(package)
         except CertificateError as error:
             found.append(error.finding)
+    known: tuple[MotorProof, ...] = ()
     if against is not None:
-        found += _compared(record, against)
-    return VerifiedRecord(verdict=verdict_of(found), findings=tuple(found), signer=signer, compared=against is not None)
+        wrong = _compared(record, against)
+        found += wrong
+        known = () if wrong else tuple(proofs(record, job_from(against, record.start)))
+    return VerifiedRecord(
+        verdict=verdict_of(found), findings=tuple(found), signer=signer, compared=against is not None, proofs=known
+    )
 
 
 def _signed(

@@ -66,6 +66,19 @@ class BoardError(Exception):
 
 
 @record(frozen=True, slots=True, kw_only=True)
+class Counting:
+    """How a board that counts what it executed was given its runs; without it a CRC cannot be derived again.
+
+    levels: of the direction pins for steps that count up, by motor, 0 or 1; rest: ticks of rest from which a step gets
+    a new clock base, ``lead`` ticks before it (0: never).
+    """
+
+    levels: tuple[int, ...]
+    rest: int = 0
+    lead: int = 0
+
+
+@record(frozen=True, slots=True, kw_only=True)
 class Capabilities:
     """What a board is.
 
@@ -76,7 +89,8 @@ class Capabilities:
     limit is known); event_bytes: of an event on it, at most; watched: it watches the host's promises; identity,
     firmware: what tells it from others, and the version it runs; motor_names: those of the motors that are wired, in
     order, none where any will do; acts_alone: it carries out every event, False: those that the machine file has pins
-    for, and the operator the others.
+    for, and the operator the others; counting:
+    set when it counts what it executed.
     """
 
     name: str
@@ -97,6 +111,7 @@ class Capabilities:
     firmware: str = ""
     motor_names: tuple[str, ...] = ()
     acts_alone: bool = True
+    counting: Counting | None = None
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import random
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,14 @@ import pytest
 from backend.test_runtime import TWO, Tap
 from support.campaigns import sizes
 
+from backend.boards.emulator import link_campaign as links
 from gproof.backend import journal as journals
 from gproof.backend import runtime
+from gproof.backend.boards.emulator.faults import parsed
+from gproof.backend.job import CertifiedJob
 from gproof.backend.journal import Found, read_journal
 from gproof.backend.record import parse_record, problems
-from gproof.backend.record_data import canonical
+from gproof.backend.record_data import ExecutionRecord, canonical
 from gproof.backend.runtime import Hold
 
 VALUES: list[Any] = [
@@ -25,6 +29,18 @@ VALUES: list[Any] = [
     [0, 2**62], {}, "", "x", "1/1000000000000000", "1/3", "9/10", "0", "-1", "1e400", "1/0", "completed", "interrupted",
     "fault", "stopped", "hold", "override", "end", "operator", "é\x1b[2J", None, True,
 ]  # fmt: skip
+
+
+def of_boards() -> list[tuple[ExecutionRecord, CertifiedJob]]:
+    """True records: of the virtual board, of one that counts what it made, of one that was lost."""
+    found = [(runtime.walk(TWO, Tap(2), override=Fraction(1, 2), hold_at=Hold(at=300_000, rest=1000)), TWO)]
+    for fault in ("", "motion+0.2 close 0.3"):
+        options = replace(links.schedule(0, certified=True)[1], faults=tuple(parsed(fault)))
+        record = links.ran(links.jobs()[0], options, [])[1]
+        assert record is not None
+        found.append((record, links.jobs()[0]))
+    assert found[1][0].sections[0].executed and found[2][0].sections[0].losses
+    return found
 
 
 def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -57,9 +73,10 @@ def changed(value: Any, chance: random.Random) -> Any:
 
 @pytest.mark.parametrize("many", sizes(300, 20_000))
 def test_records_with_other_values(many: int) -> None:
-    good = runtime.walk(TWO, Tap(2), override=Fraction(1, 2), hold_at=Hold(at=300_000, rest=1000))
+    boards = of_boards()
     compared = 0
     for seed in range(many):
+        good, job = boards[seed % len(boards)]
         body = changed(good.body(), random.Random(seed))
         try:
             # A forger makes the hash fit.
@@ -68,7 +85,7 @@ def test_records_with_other_values(many: int) -> None:
         except (ValueError, TypeError, KeyError):
             continue
         assert parse_record(record.to_json()) == record, seed
-        wrong = list(problems(record, TWO))
+        wrong = list(problems(record, job))
         compared += 1
         if record.position != good.position or record.steps != good.steps:
             assert wrong, (seed, body)

@@ -513,6 +513,28 @@ def test_a_record_of_the_first_schema_is_read_and_compared() -> None:
         parse_record(data.replace(b"gproof-record/1", b"gproof-record/2"))
 
 
+def test_a_record_and_a_journal_of_before_real_boards_are_read_and_compared(tmp_path: Path) -> None:
+    data = (Path(__file__).parent / "records" / "schema-2.json").read_bytes()
+    record = parse_record(data)
+    assert record.schema == "gproof-record/2"
+    assert record.to_json() == data
+    assert list(problems(record, TWO)) == []
+    with pytest.raises(ValueError, match=r".+"):
+        parse_record(data.replace(b"gproof-record/2", b"gproof-record/3"))
+    path = tmp_path / "old.journal"
+    path.write_bytes((Path(__file__).parent / "records" / "journal-1.journal").read_bytes())
+    found = read_journal(path)
+    assert (found.damaged, [kind for kind, _ in found.entries]) == (0, ["begin", "section", "at", "at", "at"])
+    made = found.trail().record()
+    assert (made.result, made.position, made.schema) == (Result.INTERRUPTED, None, "gproof-record/3")
+    assert made.steps[0] > 0
+    assert list(problems(made, TWO)) == []
+    (left,) = journals.left_open(tmp_path, "virtual")
+    left.note("recorded", {"path": "there.json"})
+    assert left.found.damaged == 0
+    left.close()
+
+
 def test_waits_are_left_out_of_nothing(tmp_path: Path) -> None:
     """A wait that nobody answers is told as such by both records."""
     asks = job([(1.0, 0.0)], [(2.0, 0.0)], waits=(Wait.INPUT,))

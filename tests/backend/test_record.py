@@ -34,7 +34,7 @@ def test_the_file_is_canonical_json_with_its_hash(record: ExecutionRecord) -> No
     claimed = value.pop("sha256")
     chained = hashlib.sha256(bytes.fromhex(TWO.certificate) + canonical(value)).hexdigest()
     assert claimed == chained == record.sha256
-    assert value["schema"] == "gproof-record/2"
+    assert value["schema"] == "gproof-record/3"
     assert value["certificate"] == TWO.certificate
 
 
@@ -66,7 +66,7 @@ def test_any_changed_byte_is_noticed(record: ExecutionRecord) -> None:
         b"{}",
         b'{"schema":"gproof-record/1"}',
         b'{"schema":"gproof-record/2"}',
-        b'{"schema":"gproof-record/3"}',
+        b'{"schema":"gproof-record/4"}',
         b"\xff",
         b"[" * 100_000,
         b'"x"',

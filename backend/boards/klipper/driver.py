@@ -18,6 +18,7 @@ from gproof.backend.boards.board import (
     BoardError,
     BoardState,
     Capabilities,
+    Counting,
     EventDone,
     Executed,
     Known,
@@ -28,7 +29,7 @@ from gproof.backend.boards.klipper.clock import CRYSTAL, BoardClock, ClockError,
 from gproof.backend.boards.klipper.connection import Shutdown
 from gproof.backend.boards.klipper.ledger import MotorLedger
 from gproof.backend.boards.klipper.lines import Line, LineLost
-from gproof.backend.boards.klipper.outbox import Outbox
+from gproof.backend.boards.klipper.outbox import FROM_BASE, REBASE, Outbox
 from gproof.backend.boards.klipper.session import Session
 from gproof.backend.boards.klipper.wire_size import run_bytes
 from gproof.backend.boards.klipper.wiring import Wiring
@@ -95,6 +96,7 @@ class KlipperBoard:
         self._past: BoardClock | None = None
         self._identity = b""
         self._executed: tuple[Executed, ...] = ()
+        self._section, self._section_sent, self._section_taken = 0, 0, False
         self._sent = 0
         self._state, self._reason = BoardState.CLOSED, ""
         self._known = Known.UNKNOWN
@@ -131,6 +133,7 @@ class KlipperBoard:
             self._release()
             raise
         dictionary = live.link.dictionary
+        levels = tuple(0 if pins.inverted_direction else 1 for pins in self._wiring.motors)
         return Capabilities(
             name=self._name,
             motors=len(self._motors),
@@ -150,6 +153,7 @@ class KlipperBoard:
             watched=live.certified,
             identity=str(dictionary.constants.get("MCU", "")),
             firmware=dictionary.version,
+            counting=Counting(levels=levels, rest=REBASE, lead=FROM_BASE) if live.certified else None,
         )
 
     def _reach(self) -> Session:
@@ -228,7 +232,8 @@ class KlipperBoard:
         self._base = live.tick_in(START) + max(0, lead)
         if live.certified:
             live.link.send("cert_begin", identity=self._identity)
-            live.link.send("cert_section", number=number, clock=self._base & _WORD)
+            self._section, self._section_taken = number, False
+            self._section_sent = live.link.send("cert_section", number=number, clock=self._base & _WORD)
         for oid, motor in enumerate(self._motors):
             motor.section(start[oid], self._base, self._identity, number)
             live.link.send("reset_step_clock", oid=oid, clock=self._base & _WORD)
@@ -381,6 +386,7 @@ class KlipperBoard:
 
     def _count(self, live: Session) -> None:
         """Count what was done by the last reading of the clock: nothing else shows that the board still went on."""
+        self._hear_section(live)
         seen, acknowledged = live.clock.last.tick, live.link.transport.acknowledged
         for motor in self._motors:
             motor.accepted += motor.settle(seen, acknowledged)
@@ -388,12 +394,16 @@ class KlipperBoard:
             self._done.append(event)
             self._events += 1
 
+    def _hear_section(self, live: Session) -> None:
+        """Note that the board has taken the start of the section: what it counts is of this one from then on."""
+        self._section_taken |= live.certified and live.link.transport.acknowledged >= self._section_sent
+
     def _compare(self, live: Session) -> None:
         """At the end of a section: IDLE when the board counts what was sent, and a fault when not."""
         assert self._offsets is not None
         try:
             live.read_clock()
-            raw, self._executed = live.positions(), live.executed()
+            raw, self._executed = live.positions(), live.executed(self._section)
         except Shutdown:
             return
         except (LineLost, ClockError) as error:
@@ -404,12 +414,18 @@ class KlipperBoard:
         self._end = None
         sent = [motor.position for motor in self._motors]
         other = self._other_runs()
+        if live.certified and not self._executed:
+            other = f"the board does not count section {self._section}"
         if counted == sent and not other:
             self._state = BoardState.IDLE
             return
         self._state, self._stopped_at = BoardState.FAULT, self._now
         self._known = Known.EXACT if counted == sent else Known.UNKNOWN
         self._reason = other or f"the board counts {counted} at the end, and {sent} was sent"
+
+    def _counted(self, live: Session) -> tuple[Executed, ...]:
+        """What the board executed of this section; nothing where it may mean an earlier one of the same number."""
+        return live.executed(self._section) if self._section_taken else ()
 
     def _other_runs(self) -> str:
         """Which motors executed other runs than were sent, where the board counts them; "" for none."""
@@ -427,6 +443,7 @@ class KlipperBoard:
     def _halt(self, state: BoardState, reason: str) -> None:
         live = self._session()
         self._outbox.clear()
+        self._hear_section(live)
         try:
             live.halt()
         except (LineLost, ClockError) as error:
@@ -437,6 +454,7 @@ class KlipperBoard:
     def _after_stop(self, live: Session, state: BoardState, reason: str) -> None:
         """The one path through a shutdown: leave it, ask where the motors are, count what was made."""
         assert live.shutdown is not None
+        self._hear_section(live)
         answer, _ = live.shutdown
         word = answer.fields.get("clock")
         near = live.clock.lower(answer.answered)
@@ -448,7 +466,7 @@ class KlipperBoard:
         live.link.transport.forget()
         try:
             live.leave_shutdown()
-            raw, self._executed = live.positions(), live.executed()
+            raw, self._executed = live.positions(), self._counted(live)
         except BoardError as error:
             self._lose(f"{reason}; {error}")
             return
@@ -471,6 +489,8 @@ class KlipperBoard:
             if k < len(self._executed):
                 bounds = (motor.all_made(self._executed[k].steps),) * 2
             motor.position = position
+            # It had not stopped before the last step that it made was due.
+            self._stopped_at = max(self._stopped_at or 0, motor.due(bounds[0]))
             least.append((position, bounds[0]))
             most.append(bounds[1])
         if other := self._other_runs():
@@ -485,6 +505,7 @@ class KlipperBoard:
         self._outbox.clear()
         self._horizon = self._end = None
         live = self._session()
+        self._hear_section(live)
         transport = live.link.transport
         self._sent = transport.sent
         self._stopped_at = live.clock.last.tick
@@ -505,7 +526,7 @@ class KlipperBoard:
                     self._known, self._reason = Known.UNKNOWN, f"{reason}; found again, but it was reset"
                     break
                 self._await_rest(live)
-                raw, self._executed = live.positions(), live.executed()
+                raw, self._executed = live.positions(), self._counted(live)
             except BoardError:
                 self._session().link.line.close()
                 time.sleep(FIND_PAUSE)

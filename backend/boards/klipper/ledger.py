@@ -50,7 +50,8 @@ class MotorLedger:
 
     tail: tick of the last step given; direction: of the last run given (0: not stated since the board was opened);
     passed: runs on the list that have no place on the board any more. sum: of the runs that are off the list, in this
-    section; origin: clock tick of the section's tick 0; inverted: the direction pin is low for steps that count up.
+    section; bare: that before its first clock base; origin: clock tick of the section's tick 0; inverted: the direction
+    pin is low for steps that count up.
     """
 
     position: int = 0
@@ -62,6 +63,7 @@ class MotorLedger:
     inverted: bool = False
     origin: int = 0
     sum: RunSum | None = None
+    bare: int = 0
     runs: deque[Run] = field(default_factory=deque)
 
     def add(self, interval: int, count: int, add: int, direction: int) -> Run:
@@ -99,6 +101,7 @@ class MotorLedger:
         """A section starts at ``start`` steps and clock tick ``origin``."""
         self.position, self.tail, self.origin, self.direction = start, origin, origin, 0
         self.sum = RunSum(identity, number)
+        self.bare = self.sum.crc
         self.sum.base(0)
 
     def _summed(self, run: Run, count: int) -> None:
@@ -116,7 +119,7 @@ class MotorLedger:
         """CRCs that a board may state that has made ``steps`` of this section; it may have taken the next base."""
         if self.sum is None or steps < self.sum.steps:
             return set()
-        found: set[int] = set()
+        found: set[int] = set() if steps else {self.bare}
         for run in self.runs:
             rest = steps - self.sum.steps
             if not rest:
@@ -128,6 +131,15 @@ class MotorLedger:
         if steps == self.sum.steps:
             found.add(self.sum.crc)
         return found
+
+    def due(self, steps: int) -> int:
+        """The tick of step number ``steps`` since the board was opened, where it is of a run on the list; else 0."""
+        rest = steps - self.steps
+        for run in self.runs:
+            if rest <= run.count:
+                return run.tick(rest) if rest > 0 else 0
+            rest -= run.count
+        return 0
 
     def stop(self) -> None:
         """Nothing is stored any more."""

@@ -51,11 +51,15 @@ CERTIFIED = {
     "cert_commit": ("clock",),
     "cert_rest": (),
     "cert_finish": ("clock",),
+    "cert_get_state": (),
     "cert_get_motor": ("oid",),
 }
 """Commands of the extension. Source: docs/boards.md."""
 
-CERTIFIED_ANSWERS = {"cert_motor": ("oid", "steps", "pos", "crc")}
+CERTIFIED_ANSWERS = {
+    "cert_state": ("state", "section", "promise", "stopped"),
+    "cert_motor": ("oid", "steps", "pos", "crc"),
+}
 
 FIRST_READINGS, FIRST_PAUSE = 8, 0.02
 """Readings of the clock when a board is opened, seconds apart."""
@@ -163,9 +167,12 @@ class Session:
             found.append(-count if pins.inverted_direction else count)
         return found
 
-    def executed(self) -> tuple[Executed, ...]:
-        """What each motor made of the last section, by firmware that counts it; BoardError."""
-        if not self.certified:
+    def executed(self, section: int) -> tuple[Executed, ...]:
+        """What each motor made of the last section, by firmware that counts it; nothing where that is another one.
+
+        BoardError.
+        """
+        if not self.certified or _number(self.link.query("cert_get_state", "cert_state"), "section") != section:
             return ()
         found = []
         for oid in range(len(self.wiring.motors)):

@@ -26,7 +26,9 @@ from gproof.backend.boards.klipper import driver
 from gproof.backend.boards.klipper.driver import KlipperBoard
 from gproof.backend.boards.klipper.wiring import MotorPins, Wiring
 from gproof.backend.job import CertifiedJob
+from gproof.backend.record import parse_record, problems
 from gproof.backend.record_data import TRUSTED, ExecutionRecord, Result
+from gproof.backend.record_proof import Proof, proof_of, sent
 from gproof.backend.runtime import walk
 
 PINS = (0, 2)
@@ -107,7 +109,27 @@ def judged(certified: CertifiedJob, told: Told, record: ExecutionRecord) -> str:
         assert record.position == position, "a position that is not that of the board"
     if record.result is Result.COMPLETED:
         assert not over and record.position is not None
+    proved(certified, record, left)
     return f"{record.result.value}, position {'known' if record.position is not None else 'unknown'}"
+
+
+def proved(certified: CertifiedJob, record: ExecutionRecord, made: list[int]) -> None:
+    """The record fits its job; of what it says of steps nothing is more than was made, and nothing too little."""
+    wrong = [*problems(record, certified)]
+    assert not wrong, wrong
+    assert parse_record(record.to_json()) == record
+    least, most, unknown = [0] * len(PINS), [0] * len(PINS), False
+    for done in record.sections:
+        section = sent(done, certified.stream.sections[done.number], certified)
+        for k, one in enumerate(proof_of(done, section, record)):
+            exact = one.proof is not Proof.UNKNOWN
+            least[k] += one.steps
+            most[k] += one.steps if one.most is None else one.most
+            unknown |= not exact and one.most is None
+            if record.board.counting is not None and done.outcome is Result.COMPLETED:
+                assert one.proof is Proof.PROVED
+    assert all(a <= b for a, b in zip(least, made, strict=True)), "more is claimed than was made"
+    assert unknown or all(a >= b for a, b in zip(most, made, strict=True)), f"{made} made, {most} at most"
 
 
 def ran(one: CertifiedJob, options: Options, stalls: list[tuple[float, float]]) -> tuple[Told, ExecutionRecord | None]:

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import copy
+import random
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 from backend.boards.emulator.emulated_line import EmulatedLine
-from backend.boards.emulator.link_campaign import jobs, judged, ran, schedule, table
+from backend.boards.emulator.link_campaign import PINS, WIRING, jobs, judged, proved, ran, schedule, table
+from backend.streams import FREQUENCY
 from support.campaigns import sizes
 
 from gproof.backend.boards.emulator.emulator import Emulator, Options
+from gproof.backend.boards.emulator.log_reader import read
 from gproof.backend.boards.klipper.connection import Connection
+from gproof.backend.boards.klipper.driver import KlipperBoard
+from gproof.backend.control import Control
+from gproof.backend.operators import AutoContinue, HoldRequest
+from gproof.backend.record import parse_record, problems
+from gproof.backend.record_data import Result
+from gproof.backend.record_proof import Proof, proofs
+from gproof.backend.runtime import Hold, walk
 
 
 @pytest.mark.parametrize("count", sizes(12, 5000))
@@ -19,6 +30,49 @@ def test_no_fault_makes_a_wrong_step_or_a_record_that_claims_one(count: int) -> 
     for certified in (False, True):
         for (fault, result), times in sorted(table(range(count), certified=certified).items()):
             print(f"{'certified' if certified else 'plain':9}  {fault:18}  {result:40}  {times:6}")
+
+
+def once(at: float, request: Callable[[], None]) -> Callable[[float], None]:
+    """Makes a request when so much is done."""
+    left = [request]
+    return lambda part: left.pop()() if left and part >= at else None
+
+
+class Held(AutoContinue):
+    """Continues after a feed hold, or not."""
+
+    def __init__(self, resume: bool) -> None:
+        self.resume = resume
+
+    def held(self, request: HoldRequest) -> bool:
+        return self.resume
+
+
+@pytest.mark.parametrize("many", sizes(8, 400))
+def test_feed_holds_and_overrides_end_as_asked_and_every_step_is_proved(many: int) -> None:
+    for seed in range(many):
+        chance = random.Random(seed)
+        one, control = jobs()[seed % len(jobs())], Control()
+        at, resume = chance.random(), chance.random() < 0.7
+        planned = [Hold(at=chance.randrange(500_000), rest=chance.randrange(1000, 50_000)) for _ in range(seed % 3)]
+        board = Emulator(Options(frequency=FREQUENCY, baud=1_000_000))
+        record = walk(
+            one,
+            KlipperBoard(EmulatedLine(board).connect, WIRING, pulse=2, direction_setup=5),
+            operator=Held(resume),
+            control=control,
+            on_progress=once(at, control.hold),
+            hold_at=planned,
+            override=chance.choice([1, 0.5, 0.33]),
+        )
+        board.advance(board.now + 10**10)
+        board.finish()
+        told = read(board.log.held)
+        assert record.result in (Result.COMPLETED, Result.STOPPED), (seed, record.reason)
+        assert resume <= (record.result is Result.COMPLETED), seed
+        assert list(record.steps) == [len(told.steps.of(pin)[0]) for pin in PINS], seed
+        proved(one, record, list(record.steps))
+        assert all(known.proof is Proof.PROVED for known in proofs(record, one)), seed
 
 
 def test_a_board_that_lost_step_is_found() -> None:
@@ -52,3 +106,26 @@ def test_the_judge_sees_what_is_wrong() -> None:
     ):
         with pytest.raises(AssertionError, match=why):
             judged(one, log, told_record)
+
+
+def test_a_count_or_crc_that_the_stream_does_not_give_is_seen() -> None:
+    one = jobs()[0]
+    told, record = ran(one, replace(schedule(0, certified=True)[1], faults=()), [])
+    assert record is not None and judged(one, told, record) == "completed, position known"
+    assert all(known.proof is Proof.PROVED for known in proofs(record, one))
+    first = record.sections[0]
+    x, y = first.executed
+    for what, executed in {
+        "another CRC": (replace(x, crc=x.crc ^ 1), y),
+        "another count": (replace(x, steps=x.steps - 1), y),
+        "exchanged": (y, x),
+        "one motor": (x,),
+    }.items():
+        forged = replace(record, sections=(replace(first, executed=executed), *record.sections[1:]))
+        assert parse_record(forged.to_json()) == forged, what
+        assert list(problems(forged, one)), what
+    other = replace(record, board=replace(record.board, counting=replace(record.board.counting, levels=(0, 1))))
+    assert list(problems(other, one))
+    silent = replace(record, sections=tuple(replace(section, executed=()) for section in record.sections))
+    assert not list(problems(silent, one))
+    assert {known.proof for known in proofs(silent, one)} == {Proof.ACKNOWLEDGED}
