@@ -3,13 +3,16 @@
  *     runner atmega328p|atmega2560 FILE.elf|FILE.hex EDGES SPEED
  *
  * It prints "port NAME" once, the terminal to open. EDGES gets 8 bytes a change, little-endian: cycle * 2^16 + pin * 2^8 + level;
- * a pin's number is 8 for each port letter from A on, and its bit. SPEED: times real time, 0 as fast as it goes.
+ * a pin's number is 8 for each port letter from A on, and its bit. SPEED: times real time, 0 as fast as it goes, "told": time
+ * passes only as the host says, so that a run does not depend on how busy this machine is.
  * Lines on its standard input:
  *     set PIN LEVEL               an input gets this level now
  *     after OUT COUNT PIN LEVEL   ... when the output OUT has risen COUNT times more
  *     flush                       writes out the edges, then prints "flushed CYCLE START SPARE": now, when timer 1 began to count, and how
  *                               many bytes of RAM neither data nor stack ever touched
  *     speed SPEED                 times real time from now on
+ *     until CYCLE SENT            (told) when SENT bytes in all have come from the terminal, time passes until that cycle, or until
+ *                               the board has said something and is silent again; then "at CYCLE SAID": now, bytes it has sent in all
  * It ends with its standard input. Written for simavr 1.6. */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -36,6 +39,7 @@
 #define FIRST_RAM 0x100
 #define PAINT 0xa5
 #define LOOK 3200 /* cycles between looks at terminal and standard input */
+#define SILENCE 2000 /* cycles, three bytes of the line: nothing more belongs to what was said */
 
 static avr_t *avr;
 static FILE *edges;
@@ -46,6 +50,9 @@ static uint8_t levels[96];
 static avr_cycle_count_t timer_began, begun_cycle;
 static struct timespec begun;
 static double speed;
+static bool told;
+static avr_cycle_count_t told_until, said_at;
+static unsigned long long come, come_wanted, said, said_before;
 static struct {
     uint8_t out, in, level;
     uint32_t count;
@@ -80,6 +87,8 @@ static void serial_out(struct avr_irq_t *irq, uint32_t value, void *parameter)
 {
     (void)irq, (void)parameter;
     uint8_t byte = value;
+    said++;
+    said_at = avr->cycle;
     while (write(terminal, &byte, 1) < 0 && errno == EINTR) {
     } /* a host that does not read loses bytes, as on a wire */
 }
@@ -101,11 +110,13 @@ static size_t waits_from, waits_to;
 
 static void look_at_terminal(void)
 {
-    if (waits_from == waits_to) {
-        ssize_t count = read(terminal, waiting, sizeof waiting);
-        waits_from = 0;
-        waits_to = count > 0 ? count : 0;
-    }
+    if (waits_from == waits_to)
+        waits_from = waits_to = 0;
+    do {
+        ssize_t count = read(terminal, waiting + waits_to, sizeof waiting - waits_to);
+        if (count > 0)
+            waits_to += count, come += count;
+    } while (told && come < come_wanted); /* what was sent is here a moment later */
     while (ready && waits_from < waits_to)
         avr_raise_irq(serial_in, waiting[waits_from++]);
 }
@@ -131,12 +142,17 @@ static void begin_pace(void)
 static void obey(const char *line)
 {
     unsigned a, b, c, d;
+    unsigned long long cycle;
     if (sscanf(line, "set %u %u", &a, &b) == 2) {
         set_pin(a, b);
     } else if (sscanf(line, "after %u %u %u %u", &a, &b, &c, &d) == 4) {
         trip.out = a, trip.count = b, trip.in = c, trip.level = d;
     } else if (sscanf(line, "speed %lf", &speed) == 1) {
         begin_pace();
+    } else if (sscanf(line, "until %llu %llu", &cycle, &come_wanted) == 2) {
+        told_until = cycle;
+        said_before = said;
+        look_at_terminal();
     } else if (strncmp(line, "flush", 5) == 0) {
         fflush(edges);
         printf("flushed %llu %llu %u\n", (unsigned long long)avr->cycle, (unsigned long long)timer_began, spare());
@@ -144,13 +160,13 @@ static void obey(const char *line)
     }
 }
 
-/* False at the end of the standard input. */
-static bool look_at_input(void)
+/* Takes what is there, or waits for it; false at the end of the standard input. */
+static bool look_at_input(bool wait)
 {
     static char text[256];
     static size_t length;
     struct pollfd input = {.fd = 0, .events = POLLIN};
-    if (poll(&input, 1, 0) <= 0)
+    if (poll(&input, 1, wait ? -1 : 0) <= 0)
         return true;
     ssize_t count = read(0, text + length, sizeof text - 1 - length);
     if (count <= 0)
@@ -226,6 +242,22 @@ static void keep_pace(void)
         usleep(ahead * 1e6);
 }
 
+/* Told: waits until time may pass again; false at the end of the standard input. */
+static bool wait_to_be_told(void)
+{
+    if (avr->cycle < told_until && (said == said_before || avr->cycle - said_at < SILENCE))
+        return true;
+    if (told_until > 0) {
+        printf("at %llu %llu\n", (unsigned long long)avr->cycle, said);
+        fflush(stdout);
+    }
+    told_until = 0;
+    while (told_until == 0)
+        if (!look_at_input(true))
+            return false;
+    return true;
+}
+
 int main(int count, char **words)
 {
     if (count != 5)
@@ -233,7 +265,8 @@ int main(int count, char **words)
     avr_global_logger_set(quiet);
     avr = avr_make_mcu_by_name(words[1]);
     edges = fopen(words[3], "wb");
-    speed = atof(words[4]);
+    told = strcmp(words[4], "told") == 0;
+    speed = told ? 0 : atof(words[4]);
     if (avr == NULL || edges == NULL)
         return 2;
     avr_init(avr);
@@ -249,11 +282,13 @@ int main(int count, char **words)
             break;
         if (timer_began == 0 && (avr->data[TCCR1B] & 7) != 0)
             timer_began = avr->cycle;
+        if (told && !wait_to_be_told())
+            break;
         if (avr->cycle < next)
             continue;
         next = avr->cycle + LOOK;
         look_at_terminal();
-        if (!look_at_input())
+        if (!told && !look_at_input(false))
             break;
         if (speed > 0)
             keep_pace();

@@ -5,7 +5,6 @@ Expected ticks and CRCs are worked out here from docs/boards.md, not by code of 
 
 from __future__ import annotations
 
-import shutil
 import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -15,15 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.campaigns import seeds
-from support.simulated_board import HZ, Answer, Board, Client, block, build_runner, crc16, vlq
+from support.simulated_board import HZ, MISSING, Answer, Board, Client, block, build_runner, crc16, vlq
 
 from gproof.backend.firmware import CHIPS, build, image
 
-MISSING = [tool for tool in ("avr-gcc", "gcc") if shutil.which(tool) is None]
-pytestmark = pytest.mark.skipif(
-    bool(MISSING) or not Path("/usr/include/simavr").is_dir(),
-    reason="no AVR compiler or simulator (Debian: gcc-avr avr-libc libsimavr-dev)",
-)
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 
 EARLIEST, LATEST = -64, 640
 """Cycles of 16 MHz in which an edge comes about its tick, at up to 20,000 steps a second of all motors."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import subprocess
 import time
 import zlib
@@ -22,6 +23,11 @@ import serial
 RUNNER = Path(__file__).resolve().parent.parent / "firmware" / "runner.c"
 MCU = {"328p": "atmega328p", "2560": "atmega2560"}
 HZ = 16_000_000
+MISSING = (
+    ""
+    if shutil.which("gcc") and shutil.which("avr-gcc") and Path("/usr/include/simavr").is_dir()
+    else "no AVR compiler or simulator (Debian: gcc-avr avr-libc libsimavr-dev)"
+)
 
 
 def build_runner(folder: Path) -> Path:
@@ -291,15 +297,17 @@ def spread(names: dict[str, Any]) -> dict[str, int]:
     return found
 
 
-class Board:
-    """A firmware that runs; its client and its pins."""
+class Simulation:
+    """A firmware that runs on a simulated chip: its terminal and its pins. folder: for the edges; speed: times real
+    time, 0 as fast as it goes, "told" only as `until` says."""
 
-    def __init__(self, runner: Path, chip: str, firmware: Path, folder: Path, speed: float = 0.0) -> None:
+    def __init__(self, runner: Path, chip: str, firmware: Path, folder: Path, speed: float | str = 0.0) -> None:
         self.chip, self.edges_file = chip, folder / "edges"
         command = [str(runner), MCU[chip], str(firmware), str(self.edges_file), str(speed)]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.port = self.line("port")
-        self.client: Client = None  # type: ignore[assignment]
+        self.written = 0
+        """Bytes that the host has sent in all, by a line that counts them."""
 
     def line(self, word: str) -> str:
         """The rest of the next line that begins with the word; the simulator prints others too."""
@@ -314,16 +322,13 @@ class Board:
         self.process.stdin.write(f"{line}\n")
         self.process.stdin.flush()
 
-    def __enter__(self) -> Board:
-        self.client = Client(self.port)
-        self.client.synchronise()
-        self.client.identify()
-        return self
+    def until(self, cycle: int, sent: int) -> tuple[int, int]:
+        """Let time pass (told); cycle now, bytes that the board has said in all. sent: bytes to it in all."""
+        self.say(f"until {cycle} {sent}")
+        now, said = map(int, self.line("at").split())
+        return now, said
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.client.line.close()
+    def end(self) -> None:
         assert self.process.stdin is not None and self.process.stdout is not None
         self.process.stdin.close()
         self.process.stdout.close()
@@ -332,10 +337,6 @@ class Board:
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-
-    def rush(self) -> None:
-        """From now on as fast as the simulation goes: all that has to come in time was sent."""
-        self.say("speed 0")
 
     def flush(self) -> tuple[int, int, int]:
         """Write out the edges; cycle now, cycle at which the clock was 0, bytes of RAM never touched."""
@@ -348,6 +349,30 @@ class Board:
         began = self.flush()[1]
         rows = np.fromfile(self.edges_file, dtype="<u8").astype(np.int64)
         return np.column_stack(((rows >> 16) - began, rows >> 8 & 0xFF, rows & 1))
+
+
+class Board(Simulation):
+    """A firmware that runs; its client and its pins."""
+
+    def __init__(self, runner: Path, chip: str, firmware: Path, folder: Path, speed: float = 0.0) -> None:
+        super().__init__(runner, chip, firmware, folder, speed)
+        self.client: Client = None  # type: ignore[assignment]
+
+    def __enter__(self) -> Board:
+        self.client = Client(self.port)
+        self.client.synchronise()
+        self.client.identify()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.client.line.close()
+        self.end()
+
+    def rush(self) -> None:
+        """From now on as fast as the simulation goes: all that has to come in time was sent."""
+        self.say("speed 0")
 
     def changes(self, name: str, level: int = 1) -> np.ndarray:
         """Ticks at which a pin changed to a level."""

@@ -208,20 +208,16 @@ class WinCncWriter(JobWriter):
 
     # ---- values and modes
 
-    def amount(self, amount: Quantity, *, summed: bool = False) -> str:
-        """A quantity in the unit of the text; Unprintable for an expression. summed: see ``decimals_of``."""
+    def amount(self, amount: Quantity) -> str:
+        """A quantity in the unit of the text; Unprintable for an expression."""
         unit = self.state.get("unit", amount.unit) if amount.unit in LENGTHS else amount.unit
-        digits = decimals_of(self.style, unit, summed=summed)
-        return text_of(number(amount.value) * factor(amount.unit, unit), digits)
+        return text_of(number(amount.value) * factor(amount.unit, unit), decimals_of(self.style, unit))
 
-    def words(self, places: Iterable[AxisPlace], *, summed: bool = False) -> list[str]:
-        """Axis words. summed: they are those of a zero."""
+    def words(self, places: Iterable[AxisPlace]) -> list[str]:
+        """Axis words."""
         ordered = sorted(places, key=lambda place: AXIS_NAMES.index(place.axis))
         self.need_axes(bits(ordered))
-        return [
-            f"{self.letters[AXIS_NAMES.index(place.axis)]}{self.amount(place.at, summed=summed or place.relative)}"
-            for place in ordered
-        ]
+        return [f"{self.letters[AXIS_NAMES.index(place.axis)]}{self.amount(place.at)}" for place in ordered]
 
     def need_axes(self, columns: int) -> None:
         """Unprintable for an axis that the machine does not have."""
@@ -363,7 +359,7 @@ class WinCncWriter(JobWriter):
             self.state["relative"] = False
         words = [*self.words(node.at), *self.words([node.bottom]), f"R{self.amount(node.top.at)}"]
         if node.peck is not None:
-            words.append(f"Q{self.amount(node.peck, summed=True)}")
+            words.append(f"Q{self.amount(node.peck)}")
         if node.kind == "dwell" and node.dwell is not None:
             scale = {"s": 1000.0, "ms": 1.0}[node.dwell.unit]
             words.append(f"P{text_of(number(node.dwell.value) * scale, self.style.decimals)}")
@@ -464,7 +460,7 @@ class WinCncWriter(JobWriter):
                 self.state["cycle"] = None
             if done.over:
                 return
-        words = self.words(node.places, summed=True)
+        words = self.words(node.places)
         if node.action in {"local_here", "zero_at", "zero_shift"}:
             code = {"local_here": "G92", "zero_at": "G92.1", "zero_shift": "G92.2"}[node.action]
             self.command(node.span, code, *words)
@@ -486,7 +482,7 @@ class WinCncWriter(JobWriter):
         if node.arguments or node.count is not None:
             raise Unprintable("a subprogram with arguments, or that repeats")
         self.command(node.span, "M98", self.names[node.name])
-        feed = feed_after((node,), self.state.get("feed"), self)
+        feed = self.exits.get((node.name, self.state.get("feed")))
         self.state = dict(self.constant)
         self.state["feed"] = feed
 
@@ -579,8 +575,7 @@ class WinCncWriter(JobWriter):
             raise Unprintable("an array of rows and columns, whose order the machine file does not say")
         self.unit([node.dx.unit])
         end = [] if node.back else ["E1"]
-        size = [f"R{node.rows}", f"C{node.columns}"]
-        size += [f"{axis}{self.amount(by, summed=True)}" for axis, by in (("X", node.dx), ("Y", node.dy))]
+        size = [f"R{node.rows}", f"C{node.columns}", f"X{self.amount(node.dx)}", f"Y{self.amount(node.dy)}"]
         before = self.state.get("feed")
         after = feed_after(node.body, before, self)
         entry: dict[str, Any] = dict(self.constant) | {"feed": before if after == before else OPEN_FEED}

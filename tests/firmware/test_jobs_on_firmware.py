@@ -1,0 +1,244 @@
+"""Jobs on the reference firmware: G-code, package, runtime, driver, pyserial, a simulated chip, edges of its pins.
+
+The edges are compared with the stream by ``support/simulated_line.py``, which works out from the format of runs when
+and which way each step is due.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.simulated_board import MISSING, Simulation, build_runner
+from support.simulated_line import Recorded, judge
+
+from backend import streams
+from gproof.backend.firmware import CHIPS, image
+from gproof.backend.record_data import Result
+from gproof.backend.runtime import run
+from gproof.driver.pipeline import Request, compile_job
+from gproof.driver.progress import Watcher
+from gproof.driver.session import Running
+from gproof.ir.machine import Board, Pin, WiredMotor, WiredOutput
+from gproof.ir.stream import Motor, StepStream
+from gproof.ir.trace import Op
+from gproof.verify.certificate.keys import load_or_create_key, raw_public
+from gproof.verify.certificate.package import Package, read_package
+
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
+
+AXIS = """
+[axes.{name}]
+kind = "{kind}"
+steps_per_unit = 100
+min = -100.0
+max = 100.0
+max_velocity = {velocity}
+max_acceleration = 800.0
+
+[board.motors.{name}]
+step = "{step}"
+direction = "{direction}"
+"""
+
+MACHINE = """
+schema = "gproof-machine/1"
+name = "bench"
+units = "mm"
+
+[controller]
+dialect = "{dialect}"
+interpolation_time = 0.005
+fifo_time = 0.25
+auto_tool_change = false
+max_step_frequency = 10000
+
+[board]
+name = "klipper"
+tick_frequency = 16000000
+step_pulse = 2e-6
+direction_setup = 5e-6
+
+[board.outputs.spindle]
+pin = "PD3"
+speed = 6000
+
+[board.outputs.flood]
+pin = "!PD4"
+"""
+
+PINS = {"x": ("PB0", "!PB1"), "y": ("!PB2", "PB3"), "z": ("PC0", "PC1"), "a": ("PC2", "!PC3")}
+
+
+def machine_text(dialect: str, **velocities: float) -> str:
+    """A machine file; the greatest velocity of each axis, units a second."""
+    axes = [
+        AXIS.format(
+            name=name, kind="rotary" if name == "a" else "linear", velocity=velocity,
+            step=PINS[name][0], direction=PINS[name][1],
+        )
+        for name, velocity in velocities.items()
+    ]  # fmt: skip
+    return MACHINE.format(dialect=dialect) + "".join(axes)
+
+
+def compiled(folder: Path, name: str, program: str, machine: str) -> Package:
+    """Through everything that ``gproof compile`` does, signed."""
+    job, description, key = folder / name, folder / "machine.toml", folder / "key.pem"
+    job.write_text(program)
+    description.write_text(machine)
+    load_or_create_key(key)
+    made = compile_job(
+        Request(
+            job=job, machine=description, setup="zero", dialect=None, running=Running(), key=key,
+            output=folder / "job.gpx",
+        ),
+        Watcher(),
+    )  # fmt: skip
+    assert made.package is not None, (made.why, [str(finding) for finding in made.session.findings.kept])
+    return read_package(folder / "job.gpx")
+
+
+@pytest.fixture(scope="module")
+def tools(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the runner and the shipped images."""
+    folder = tmp_path_factory.mktemp("simulator")
+    build_runner(folder)
+    for chip in CHIPS:
+        (folder / f"{chip}.hex").write_bytes(image(chip))
+    return folder
+
+
+@pytest.fixture
+def chip_of(tools: Path, tmp_path: Path) -> Iterator[Callable[[str], Simulation]]:
+    """Starts a chip whose time is told."""
+    running: list[Simulation] = []
+
+    def start(chip: str) -> Simulation:
+        running.append(Simulation(tools / "runner", chip, tools / f"{chip}.hex", tmp_path, "told"))
+        return running[-1]
+
+    yield start
+    for one in running:
+        one.end()
+
+
+PLATE = """\
+G21 G90 G54 G17 G94
+G0 X10 Y5 Z-2
+S6000 M3
+M8
+G4 P0.3
+F1500
+G1 X20 Y12
+G2 X30 Y12 I5 J0
+G3 X20 Y22 R12
+G1 Z-4
+M9
+G0 X-15 Y-12 Z3
+M5
+M30
+"""
+
+FOUR_AT_ONCE = """\
+G21 G90 G54 G17 G94
+G0 X40 Y40 Z25 A20
+M3 S6000
+M1
+G0 X-10 Y-10 Z-6 A-5
+M0
+G81 X5 Y5 Z-8 R-2 F900
+X0 Y12
+G80
+M5
+M30
+"""
+
+WAVE = """\
+var
+  point : integer;
+{$DINSTART}
+%WAVE
+N10 G53
+N20 G90
+N30 G94
+N40 G00 X-30 Y7
+N50 G01 X-25 Y0 F4200
+N60 $for point := 1 to 50 do begin
+N70 G01 X(X.tp + 1) Y(12 * sin(X.tp / 4)) F3600
+N80 $end;
+N90 G04 0.25
+N100 G00 X0 Y0
+N110 M30
+%
+"""
+
+JOBS = {
+    "three motors, arcs, dwell and outputs": ("328p", "plate.cnc", PLATE, "eding", {"x": 60, "y": 60, "z": 60}),
+    "four motors at 20,000 steps a second, waits": (
+        "2560", "four.cnc", FOUR_AT_ONCE, "eding", {"x": 60, "y": 60, "z": 40, "a": 40}
+    ),
+    "two motors, DIN": ("328p", "wave.src", WAVE, "mcuwin", {"x": 100, "y": 95}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_a_job_from_its_text_to_the_pins(name: str, chip_of: Callable[[str], Simulation], tmp_path: Path) -> None:
+    chip, file, program, dialect, velocities = JOBS[name]
+    package = compiled(tmp_path, file, program, machine_text(dialect, **velocities))
+    simulation = chip_of(chip)
+    board = Recorded(simulation, package.machine)
+    key = raw_public(load_or_create_key(tmp_path / "key.pem"))
+    record = run(package, board, machine=package.machine, setup=package.setup, trusted_keys=[key])
+    assert (record.result, record.reason) == (Result.COMPLETED, "")
+    judge(simulation, package.machine, package.stream, board.sections)
+    assert sum(record.steps) == package.stream.steps()
+    assert record.position == package.stream.sections[-1].end()
+
+
+class Traced:
+    """Edges of a stream by hand: X has steps at 1000, 3000 and 5000 forwards and at 9000 backwards; its direction pin
+    is inverted, and the coolant goes on at 4000. The base is 10,000."""
+
+    def __init__(self) -> None:
+        self.rows = [(0, 9, 1), (10, 20, 1)]
+        self.rows += [(tick + 12, 8, 1) for tick in (11_000, 13_000, 15_000, 19_000)]
+        self.rows += [(tick + 60, 8, 0) for tick in (11_000, 13_000, 15_000, 19_000)]
+        self.rows += [(10_100, 9, 0), (15_100, 9, 1), (14_020, 20, 0)]
+
+    def edges(self) -> np.ndarray:
+        return np.array(sorted(self.rows), dtype=np.int64)
+
+
+def test_the_judge_of_the_pins_sees_what_is_wrong() -> None:
+    pins = [Pin(name="PB0"), Pin(name="PB1", inverted=True)]
+    board = Board(
+        name="klipper", motors=(WiredMotor(motor="X", step=pins[0], direction=pins[1]),),
+        outputs=(WiredOutput(output="flood", pin=Pin(name="PC4", inverted=True)),),
+    )  # fmt: skip
+    machine = replace(streams.machine("x"), board=board)
+    section = streams.section_of([streams.runs_of([(1000, 1, 0, 1), (2000, 2, 0, 1), (4000, 1, 0, -1)])])
+    section.events = streams.events_of([(4000, 0, int(Op.COOLANT), (0, 1000))])
+    motor = Motor(name="X", axis=0, steps_per_unit=Fraction(1))
+    stream = StepStream(tick_frequency=16_000_000, motors=(motor,), sections=[section])
+    assert judge(Traced(), machine, stream, [(0, 10_000)]) == (0, 12)
+    for k, changed, why in (
+        (2, None, "3 steps, and 4"),
+        (2, (11_700, 8, 1), "cycles late"),
+        (2, (10_900, 8, 1), "cycles late"),
+        (6, (11_030, 8, 0), "a pulse of 18"),
+        (11, (18_990, 9, 1), "changed 22 cycles before"),
+        (11, None, "a wrong direction"),
+        (12, None, "0 changes, and 1"),
+        (12, (14_700, 20, 0), "cycles late"),
+        (12, (14_020, 20, 1), "the wrong way"),
+        (13, (16_000, 40, 1), "not wired"),
+    ):
+        traced = Traced()
+        traced.rows[k : k + 1] = [] if changed is None else [changed]
+        with pytest.raises(AssertionError, match=why):
+            judge(traced, machine, stream, [(0, 10_000)])
