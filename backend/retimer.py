@@ -6,14 +6,16 @@ gentler ramps are tried.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
+
+import numpy as np
 
 from gproof.backend.feed_hold import MARGINS, hold
 from gproof.backend.record_data import Retiming
 from gproof.backend.retime import Spacing, retime, slow_map
 from gproof.backend.section_run import Prepared
-from gproof.backend.time_map import TimeMap
+from gproof.backend.time_map import MapBuilder, TimeMap
 from gproof.ir.machine import Machine
 from gproof.ir.stream import Motor, StreamSection
 
@@ -48,6 +50,20 @@ class Retimer:
                 if found is not None:
                     return found
         return None
+
+    def rest(self, section: StreamSection, ticks: Sequence[int], rest: int) -> Prepared | None:
+        """The section with a rest after each of the ticks, at which nothing moves; None when the validator refuses."""
+        build = MapBuilder()
+        for tick in ticks:
+            build.shift(tick)
+            build.rest(rest)
+        times = build.done()
+        source, target = _lists(times)
+        at = int(times.at(np.array([ticks[0]], dtype=np.int64))[0])
+        retiming = Retiming(
+            kind="hold", asked=ticks[0], rest_begins=at, rest=rest, exact=True, source=source, target=target
+        )
+        return self._made(section, times, retiming)
 
     def _held(self, section: StreamSection, tick: int, rest: int, way: tuple[float, bool]) -> Prepared | None:
         margin, exact = way

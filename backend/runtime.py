@@ -16,7 +16,6 @@ from fractions import Fraction
 from typing import Any
 
 from gproof.backend.boards.board import (
-    MOVES_NOTHING,
     Board,
     BoardError,
     Capabilities,
@@ -24,7 +23,6 @@ from gproof.backend.boards.board import (
     Executed,
     Observed,
     Status,
-    ticks_up,
 )
 from gproof.backend.control import Control
 from gproof.backend.feed import Words, as_sent
@@ -32,13 +30,15 @@ from gproof.backend.interrupts import interrupts
 from gproof.backend.job import CertifiedJob, RunRefused, checked_job, identity_of
 from gproof.backend.journal import Notes
 from gproof.backend.link import Link, LinkPlan, link_plan, shortage_text
+from gproof.backend.manual_events import ManualWait, all_manual, manual_waits
 from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
-from gproof.backend.record_data import TRUSTED, ExecutionRecord, Loss, Result, Retiming, plain
+from gproof.backend.record_data import ExecutionRecord, Loss, Result, Retiming, plain
 from gproof.backend.retime import GREATEST_FACTOR, LEAST_FACTOR
 from gproof.backend.retimer import Retimer
 from gproof.backend.section_notes import at_fields, begin_fields, loss_of, section_fields, since
 from gproof.backend.section_run import SLICE, Pace, SectionRun
 from gproof.backend.trail import Trail
+from gproof.backend.unfit import unfit
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import Machine
@@ -54,6 +54,7 @@ from gproof.verify.stream import validate
 __all__ = ["Control", "Hold", "RunFailed", "RunRefused", "run"]
 
 Progress = Callable[[float], None]
+Announce = Callable[[Sequence[WaitRequest]], None]
 
 LEAD = 0.05
 """Seconds between opening a section and its first tick."""
@@ -72,9 +73,6 @@ PREPARING = 0.2
 
 NOTED = 1.0
 """Seconds of motion between two entries of the journal that say how far a section has come."""
-
-SENSED = frozenset({Wait.PROBE, Wait.HOME})
-"""Waits that a switch ends in the middle of a move: steps sent regardless would go on through the contact."""
 
 
 class RunFailed(Exception):
@@ -108,6 +106,7 @@ def run(
     allow_untrusted: bool = False,
     control: Control | None = None,
     journal: Notes | None = None,
+    announce: Announce | None = None,
 ) -> ExecutionRecord:
     """Run a package on a board; RunRefused before any motion, a record afterwards whatever happens.
 
@@ -121,6 +120,7 @@ def run(
     requires all three. allow_untrusted: on one that moves nothing, nobody has to be trusted. control: requests from
     other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
     what has to be there when this process ends before the run does; a run that cannot go on writing it ends at rest.
+    announce: told before anything moves what no pin of the board does, so that the operator will be asked to.
     """
     job = checked_job(
         package, machine=machine, setup=setup, trusted_keys=trusted_keys, allow_untrusted=allow_untrusted
@@ -135,6 +135,7 @@ def run(
         estop_at=estop_at,
         control=control,
         journal=journal,
+        announce=announce,
     )
 
 
@@ -149,6 +150,7 @@ def walk(
     estop_at: int | None = None,
     control: Control | None = None,
     journal: Notes | None = None,
+    announce: Announce | None = None,
 ) -> ExecutionRecord:
     """``run`` for a job that has been checked; only ``checked_job`` makes one from a package."""
     factor = Fraction(override).limit_denominator(1000)
@@ -159,7 +161,7 @@ def walk(
     holds = [hold_at] if isinstance(hold_at, Hold) else sorted(hold_at or (), key=lambda h: h.at)
     walking = _Walk(job, board, operator or AutoContinue(), control or Control())
     walking.factor, walking.holds, walking.estop_at = factor, holds, estop_at
-    walking.on_progress, walking.journal = on_progress, journal
+    walking.on_progress, walking.journal, walking.announce = on_progress, journal, announce
     with interrupts(walking.control):
         walking.control.running()
         try:
@@ -181,6 +183,7 @@ class _Walk:
         self.estop_at: int | None = None
         self.on_progress: Progress | None = None
         self.journal: Notes | None = None
+        self.announce: Announce | None = None
         self.trail = Trail()
         self.result = Result.FAULT
         self.reason = ""
@@ -198,12 +201,13 @@ class _Walk:
     def run(self) -> ExecutionRecord:
         """Open the board, walk, close it."""
         is_ = self.board.open()
-        refusals = list(_unfit(self.job, is_)) or list(self._starved(is_))
+        refusals = list(unfit(self.job, is_)) or list(self._starved(is_))
         if refusals:
             self.board.close()
             raise RunRefused(refusals)
         self._all_ticks = int(sum(s.duration for s in self.job.stream.sections) / self.factor) or 1
         try:
+            self._announce(is_)
             self._begin(is_)
         except BaseException:
             self.board.close()
@@ -228,6 +232,15 @@ class _Walk:
             raise RunFailed(self.trail.record()) from error
         self._end()
         return self.trail.record()
+
+    def _announce(self, is_: Capabilities) -> None:
+        """Say what the operator will be asked to do."""
+        if self.announce is None or is_.acts_alone:
+            return
+        job = self.job
+        if found := list(all_manual(job.stream, job.trace, job.machine.board.outputs)):
+            with contextlib.suppress(OSError):
+                self.announce(found)
 
     # What is noted.
 
@@ -261,6 +274,13 @@ class _Walk:
             self.result, self.reason = Result.REFUSED, f"section {number}: {ready}"
             return -1
         section, retimings = ready
+        waits = self._waits(is_, section)
+        if self.control.signalled and self.control.hold_asked:
+            self.result, self.reason = Result.STOPPED, f"section {number} was not started: interrupted, at rest"
+            return -1
+        while waits and not section.events["tick"][waits[0].event]:
+            if not self._done_by_hand(waits.pop(0).request):
+                return -1
         pace = self._pace(is_, section)
         before = self.board.status()
         fields = {"number": number, "start": list(section.start), "retimings": plain(retimings)}
@@ -279,6 +299,8 @@ class _Walk:
             control=self.control,
             estop_at=None if self.estop_at is None else self.estop_at - self.done_ticks,
             on_tick=self._show,
+            rest=lambda section, tick, rest: self.retimer.rest(section, [tick], rest),
+            waits=waits,
             on_retimed=lambda held: self._write("retimed", {"retimings": plain([*retimings, *held])}),
         )
         run.on_sending = lambda given: self._mark(before, run, given)
@@ -321,9 +343,26 @@ class _Walk:
                 return f"with a feed hold at tick {hold.at - self.done_ticks} it does not pass the stream checker"
             section = made.section
             retimings.append(made.retiming)
+        stops = [max(0, int(section.events["tick"][wait.event]) - 1) for wait in self._waits(is_, section)]
+        if any(stops) and self.retimer.rest(section, [at for at in stops if at], is_.tick_frequency) is None:
+            return "with a rest where the operator has something to do it does not pass the stream checker"
         if retimings and is_.link_rate and (found := self._link_plan(is_, section).shortage) is not None:
             return "retimed, " + shortage_text(found, is_.tick_frequency, planned.number, "the link is too slow")
         return section, retimings
+
+    def _waits(self, is_: Capabilities, section: StreamSection) -> list[ManualWait]:
+        """Where the operator does what no pin of the board does."""
+        if is_.acts_alone:
+            return []
+        return manual_waits(section, self.job.trace, self.job.machine.board.outputs)
+
+    def _done_by_hand(self, request: WaitRequest) -> bool:
+        """Whether the operator has done something before a section starts; else the job ends here."""
+        if self.control.ask(lambda: self.operator.wait(request)) is not None:
+            return True
+        why = self.control.ending or f"ended while waiting for the operator ({request.text})"
+        self.result, self.reason = Result.STOPPED, f"section {request.section}: {why}"
+        return False
 
     def _overridable(self, number: int) -> bool:
         """False when a row of the section was programmed without overrides."""
@@ -516,49 +555,3 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
         outcomes=tuple(edge.outcome for edge in section.edges),
         optional=optional,
     )
-
-
-def _unfit(job: CertifiedJob, is_: Capabilities) -> Iterator[Finding]:
-    """Why a board cannot run a job."""
-    where = Span(job.name, 0)
-    if is_.name not in MOVES_NOTHING:
-        if job.accepted != TRUSTED:
-            what = f"board {is_.name} moves a machine: it takes only what a trusted key has signed"
-            yield codes.CERTIFICATE_UNTRUSTED.at(where, what=what)
-        if not (job.machine_at_hand and job.setup_at_hand):
-            what = f"board {is_.name} moves a machine: it needs the machine file and the setup (--machine, --setup)"
-            yield codes.CERTIFICATE_MACHINE.at(where, what=what)
-        if job.machine.board.motors and job.machine.board.name != is_.name:
-            what = f"its wiring is that of a board {job.machine.board.name}, and this one is {is_.name}"
-            yield codes.CERTIFICATE_MACHINE.at(where, what=what)
-    board, ticks = job.machine.board, job.stream.tick_frequency
-    wanted = (
-        (
-            bool(is_.motor_names) and is_.motor_names != tuple(m.name for m in job.stream.motors),
-            f"has pins for motors {', '.join(is_.motor_names)}, the stream is for "
-            + ", ".join(m.name for m in job.stream.motors),
-        ),
-        (is_.motors != len(job.stream.motors), f"drives {is_.motors} motors, the stream has {len(job.stream.motors)}"),
-        (is_.tick_frequency != ticks, f"counts {is_.tick_frequency} ticks per second, the stream {ticks}"),
-        (
-            is_.step_pulse > ticks_up(board.step_pulse, ticks),
-            f"needs step pulses of {is_.step_pulse} ticks, the machine file says {board.step_pulse:g} s",
-        ),
-        (
-            is_.direction_setup > ticks_up(board.direction_setup, ticks),
-            f"needs {is_.direction_setup} ticks to change direction, the machine file says {board.direction_setup:g} s",
-        ),
-    )
-    for wrong, what in wanted:
-        if wrong:
-            yield codes.CERTIFICATE_MACHINE.at(Span(job.name, 0), what=f"board {is_.name} {what}")
-    words = Words.of(is_)
-    for part in job.stream.sections:
-        for motor, runs in zip(job.stream.motors, part.runs, strict=True):
-            if (wide := words.problem(runs)) is not None:
-                what = f"board {is_.name} cannot take section {part.number}: {motor.name} has {wide}"
-                yield codes.CERTIFICATE_MACHINE.at(where, what=what)
-    for section in job.trace.sections:
-        for wait in sorted({edge.wait.value for edge in section.edges if edge.wait in SENSED}):
-            what = f"board {is_.name} cannot read a {wait} switch, and section {section.number} waits for one"
-            yield codes.CERTIFICATE_MACHINE.at(Span(job.name, 0), what=what)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
 from gproof.backend.boards.board import Board, BoardError, BoardState, Capabilities, Known, Status
 from gproof.backend.control import Control
 from gproof.backend.feed import Feeder, Words
+from gproof.backend.manual_events import ManualWait
 from gproof.backend.operators import HoldRequest, Operator
 from gproof.backend.record_data import Result, Retiming
 from gproof.ir.record import field, record
@@ -16,6 +17,9 @@ from gproof.ir.stream import StreamSection
 
 SLICE = 0.05
 """Seconds that a real board is left alone at most, so that requests are heard."""
+
+TRIES = 6
+"""How often a rest is made longer because making it took longer than was left for that."""
 
 
 @record(frozen=True, slots=True)
@@ -28,7 +32,8 @@ class Prepared:
 
 
 Prepare = Callable[[StreamSection, int, int], Prepared | None]
-"""A section, the tick of a feed hold and the ticks to rest; None: no retiming passed the validator."""
+"""A section, the tick of a feed hold and the ticks to rest; None: no retiming passed the validator. The same of a tick
+at which nothing moves, and after which it rests."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -75,6 +80,8 @@ class SectionRun:
         estop_at: int | None,
         on_tick: Callable[[int], None],
         on_retimed: Callable[[list[Retiming]], None] = lambda _: None,
+        rest: Prepare | None = None,
+        waits: Sequence[ManualWait] = (),
     ) -> None:
         self.board = board
         self.is_ = is_
@@ -87,6 +94,8 @@ class SectionRun:
         self.on_retimed = on_retimed
         self.on_sending: Callable[[tuple[int, ...]], None] = lambda _: None
         self.on_lost: Callable[[Status, Status | None], None] = lambda _, __: None
+        self.insert_rest = rest
+        self._waits = list(waits)
         self.ended = Ended(Result.FAULT, 0, section)
         self.base = 0
         self.seen: Status | None = None
@@ -96,6 +105,7 @@ class SectionRun:
         self._patience = pace.preparing
         self._worker: ThreadPoolExecutor | None = None
         self._finished = self._unheld = False
+        self._hold_at_wait = False
 
     def run(self) -> Ended:
         """To the end of the section, or to what stopped it."""
@@ -120,6 +130,9 @@ class SectionRun:
             self.board.emergency_stop()
             return True
         self._hear(now)
+        stop = self._stop
+        if stop is not None and self._held is None and now >= stop and not self._wait(stop):
+            return False
         if self._held is not None and now >= self._held.retiming.rest_begins and not self._rest(now):
             return False
         self._feed(status, now)
@@ -172,6 +185,13 @@ class SectionRun:
 
     # Feeding.
 
+    @property
+    def _stop(self) -> int | None:
+        """The tick after which nothing is sent before the operator has done something; None: there is none."""
+        if not self._waits:
+            return None
+        return max(0, int(self.ended.section.events["tick"][self._waits[0].event]) - 1)
+
     def _feed(self, status: Status, now: int) -> None:
         ahead = max(now, 0) + self.pace.lookahead
         goal = self.ended.section.duration
@@ -181,17 +201,20 @@ class SectionRun:
             until = min(until, goal)
         elif self._asked is not None:
             until = min(until, self._asked[0])
+        if (stop := self._stop) is not None:
+            goal, until = min(goal, stop), min(until, stop)
+        rests = self._held is not None or stop is not None
         feeder = self._feeder
         if not self._finished:
             feeder.fill(self.board, status.free, until, self.on_sending)
         due = feeder.next_due
-        if (self._held is not None and (due is None or due > goal)) or (due is None and self._asked is not None):
+        if (rests and (due is None or due > goal)) or (due is None and self._asked is not None):
             # At rest, or all is sent and a hold may still come: nothing more is due.
             self.board.commit(None)
             due = None
         elif due is not None:
             self.board.commit(due - 1)
-        elif not self._finished and self._asked is None:
+        elif not self._finished and self._asked is None and not rests:
             self.board.finish_section(goal)
             self._finished = True
         if due is None:
@@ -209,6 +232,8 @@ class SectionRun:
     def _hear(self, now: int) -> None:
         """Start or go on working out a feed hold."""
         if self._held is not None or self._finished or self._unheld or not self.control.hold_asked:
+            return
+        if self._hold_at_wait:
             return
         rest = self.is_.tick_frequency
         section = self.ended.section
@@ -248,6 +273,12 @@ class SectionRun:
             self.ended.reason = "no feed hold passed the stream checker"
             self.control.stop()
             return
+        if self._waits:
+            stop = int(ready[0].section.events["tick"][self._waits[0].event]) - 1
+            if stop < ready[0].retiming.rest_begins:
+                # It would come to rest later than it does anyway: there it holds.
+                self._hold_at_wait = True
+                return
         self._replace(*ready)
         self._held = ready[0]
 
@@ -278,23 +309,60 @@ class SectionRun:
         resume = bool(self.control.ask(lambda: self.operator.held(request)))
         self.control.answered()
         if resume:
-            now = self.board.status().tick - self.base
-            again = held.again(max(1, now + self.pace.lead - begins)) if held.again else None
+            again = self._after_rest(held.again, begins) if held.again else None
             if again is not None:
                 self._replace(again, Feeder(again.section, Words.of(self.is_)))
                 self._held = None
                 return True
+        return self._ends_here(now, begins, "" if resume else self.control.ending or "ended in a feed hold")
+
+    def _after_rest(self, make: Callable[[int], Prepared | None], begins: int) -> Prepared | None:
+        """The section with a rest from ``begins`` until motion can go on: on a real board, whose clock goes on, with
+        the time that making it takes. None: it did not pass the validator, or took too long each time."""
+        now, spare = self.board.status().tick - self.base, self.pace.preparing if self.is_.real_time else 0
+        for _ in range(TRIES):
+            rest = max(1, now + self.pace.lead + spare - begins)
+            made, asked = make(rest), now
+            now = self.board.status().tick - self.base
+            if made is None or now + self.pace.lead <= begins + rest:
+                return made
+            spare = 2 * (now - asked) + self.pace.preparing
+        return None
+
+    def _ends_here(self, now: int, ticks: int, why: str) -> bool:
+        """At rest: the section ends, because of ``why`` or, where that is empty, for want of a retiming. False."""
+        number = self.ended.section.number
         self.board.finish_section(now)
         status = self._settled(now)
         if status.state is not BoardState.IDLE:
             self.end(self._found(status) if status.state is BoardState.LOST else status)
             return False
         self.seen = status
-        self.ended.outcome = Result.REFUSED if resume else Result.STOPPED
-        self.ended.ticks = begins
-        self.ended.reason = f"section {number}: " + (
-            "the rest of the section did not pass the stream checker"
-            if resume
-            else self.control.ending or "ended in a feed hold"
-        )
+        self.ended.outcome = Result.STOPPED if why else Result.REFUSED
+        self.ended.ticks = ticks
+        self.ended.reason = f"section {number}: {why or 'the rest of the section did not pass the stream checker'}"
         return False
+
+    # What no pin of the board does.
+
+    def _wait(self, stop: int) -> bool:
+        """At rest until the operator has done what is due next. False when the section is over."""
+        now = self.board.status().tick - self.base
+        if self.control.hold_asked:
+            request = HoldRequest(section=self.ended.section.number, tick=stop)
+            resume = bool(self.control.ask(lambda: self.operator.held(request)))
+            self.control.answered()
+            if not resume:
+                return self._ends_here(now, stop, self.control.ending or "ended in a feed hold")
+        self._asked, self._hold_at_wait = None, False
+        wait = self._waits[0]
+        if self.control.ask(lambda: self.operator.wait(wait.request)) is None:
+            why = self.control.ending or f"ended while waiting for the operator ({wait.request.text})"
+            return self._ends_here(now, stop, why)
+        insert, section = self.insert_rest, self.ended.section
+        made = None if insert is None else self._after_rest(lambda rest: insert(section, stop, rest), stop)
+        if made is None:
+            return self._ends_here(now, stop, "")
+        self._replace(made, Feeder(made.section, Words.of(self.is_)))
+        del self._waits[0]
+        return True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
@@ -25,6 +25,7 @@ from gproof.ir.verdict import Verdict
 from gproof.report.text import print_findings
 
 if TYPE_CHECKING:
+    from gproof.backend.operators import WaitRequest
     from gproof.backend.record_data import ExecutionRecord
     from gproof.cli.run_journal import Keeper
     from gproof.ir.setup import Setup
@@ -89,7 +90,7 @@ def run_run(
                     estop_at=None if estop_at is None else round(estop_at * frequency),
                     override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
                     machine=at_hand.machine, setup=at_hand.setup, trusted_keys=trusted,
-                    allow_untrusted=allow_untrusted, control=control, journal=keeper.journal,
+                    allow_untrusted=allow_untrusted, control=control, journal=keeper.journal, announce=_announce,
                 ),
                 board, keeper, of_files, machine,
             )  # fmt: skip
@@ -171,6 +172,20 @@ def _say(findings: Findings, lines: list[str]) -> None:
 def _tell(line: str) -> None:
     """A line of what the job asks; its texts are the program's."""
     click.echo(in_one_line(line))
+
+
+MOST_SAID = 20
+"""Things that no pin does which are said before a run, at most."""
+
+
+def _announce(waits: Sequence[WaitRequest]) -> None:
+    """What the operator will be asked to do, before anything moves."""
+    _tell("No pin of the board does the following; the machine rests there, and you are asked:")
+    for wait in waits[:MOST_SAID]:
+        where = f"{wait.file}, " if wait.file else ""
+        _tell(f"  {where}line {wait.line}: {wait.text}")
+    if len(waits) > MOST_SAID:
+        _tell(f"  and {len(waits) - MOST_SAID} more")
 
 
 def _ask(prompt: str) -> str:

@@ -40,8 +40,8 @@ class TranslationTerms:
     source_symbols, target_symbols: what unknowns of each side are, in names that both share.
     source_straight, target_straight: rapids of several axes are straight lines; None: the manual does not say.
     rapids_assumed: they are taken to be the same path all the same, and that is printed.
-    rapid_rates: (axis, mm/min) that a target's axis can go at: a straight rapid of several axes of the source may be a
-    feed move, not faster than each axis that moves, and not slower than the slowest of all; (): rapids stay rapids.
+    rapid_rates: (axis, mm/min) that a target's axis can go at: a straight rapid of the source may be a feed
+    move, not faster than each axis that moves, and not slower than the slowest of all; (): rapids stay rapids.
     left_out: facts (``ROW_FACTS``, ``EndState``) that one of the controllers cannot have; where they differ that is
     printed.
     silent: texts of commands to devices that need no counterpart, because they move and switch nothing.

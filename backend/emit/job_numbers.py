@@ -11,15 +11,20 @@ from gproof.ir.columns import Array
 from gproof.ir.job import MM
 from gproof.ir.target import Style
 
+SUMMED = 3
+"""More decimals for what is added up: distances, zeros, pecks. Their rounding would be added up too."""
+MOST_DECIMALS = 12
 
-def decimals_of(style: Style, unit: str) -> int:
-    """Most decimals of a quantity in this unit."""
-    return {
+
+def decimals_of(style: Style, unit: str, *, summed: bool = False) -> int:
+    """Most decimals of a quantity in this unit. summed: places count from it, or it from a place."""
+    most = {
         "mm": style.decimals_mm,
         "cm": style.decimals_mm,
         "inch": style.decimals_inch,
         "deg": style.decimals_deg,
     }.get(unit, style.decimals)
+    return min(most + SUMMED, max(most, MOST_DECIMALS)) if summed else most
 
 
 def rounded(values: Array, decimals: int) -> Array:

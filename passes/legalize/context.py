@@ -58,7 +58,7 @@ MOST_OPERATIONS = 200_000
 _KNOWN = (
     "values", "place", "spindle", "coolant", "switched", "uneven", "turns", "program_place", "zero", "local_off",
     "kept", "local", "suspended", "remembered", "moved", "offsets", "doubtful", "selected", "shift", "length",
-    "measuring", "at_machine", "borrowed", "feed",
+    "measuring", "at_machine", "borrowed", "feed", "feed_lost",
 )  # fmt: skip
 """What a context knows at a place."""
 
@@ -97,7 +97,7 @@ class Context:
     zero of the target; at_machine: mm by axis from machine zero, of those that went there; as_is: frames and changes
     that are meant without a length, or have it already, with whether they move the place of Z; borrowed: the local
     offset of the target may hold shifts of the zero, which end with it; feed: number, unit and per what of the feed in
-    force, NaN: none was given yet, None: not known.
+    force, NaN: none was given yet, None: not known; losing: moves after which it is not in force, feed_lost: after one.
     """
 
     def __init__(self, job: Job, target: Target, options: Options) -> None:
@@ -150,6 +150,8 @@ class Context:
         self.only: dict[str, int] = {}
         self.as_is: list[tuple[Node, bool]] = []
         self.feed: FeedInForce | None = NO_FEED
+        self.feed_lost = False
+        self.losing: list[Node] = []
 
     @property
     def transform(self) -> Transform:
@@ -207,8 +209,8 @@ class Context:
         self.kept = {key: one for key, one in self.kept.items() if other["kept"].get(key) == one}
         self.length = self.length if self.length == other["length"] else None
         self.measuring = self.measuring and other["measuring"]
-        if str(self.feed) != str(other["feed"]):
-            self.feed = None
+        self.feed = self.feed if str(self.feed) == str(other["feed"]) else None
+        self.feed_lost |= other["feed_lost"]
         for name in ("local", "suspended", "remembered"):
             if getattr(self, name) != other[name]:
                 setattr(self, name, None)
@@ -250,6 +252,9 @@ class Context:
         for axis in moved_by(node) & self.at_machine.keys():
             del self.at_machine[axis]
         self.feed = feed_after(node, self.feed, self.values)
+        if gives_feed(node):
+            self.feed_lost = any(node is one for one in self.losing)
+            self.feed = None if self.feed_lost else self.feed
         if isinstance(node, Moves):
             self._after_moves(node)
         elif isinstance(node, MoveTo):
@@ -507,6 +512,7 @@ class Context:
         for node in self._all(body, set()):
             self._forget_device(node)
             self.feed = None if gives_feed(node) else self.feed
+            self.feed_lost |= bool(self.options.straight_rapids)
             if isinstance(node, SetFrame):
                 self.zero, self.local_off = Zero(), False
                 if node.action in {"store", "store_here", "zero_keep"}:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gproof.ir.job import Feed, Moves, Node
+from gproof.ir.job import RAPID, ArcTo, DrillHole, Feed, Moves, MoveTo, Node
 from gproof.passes.legalize.constants import constant
 
 FeedInForce = tuple[float, str, str]
@@ -21,6 +21,15 @@ def gives_feed(node: Node) -> bool:
     if isinstance(node, Moves):
         return not np.isnan(node.rows["feed"]).all()
     return getattr(node, "feed", None) is not None
+
+
+def goes_on(node: Node) -> bool:
+    """Whether an operation moves with the feed that was in force before it."""
+    if isinstance(node, Moves):
+        with_feed = np.flatnonzero(node.rows["kind"] != RAPID)
+        return bool(len(with_feed)) and bool(np.isnan(node.rows["feed"][: with_feed[0] + 1]).all())
+    is_cut = isinstance(node, ArcTo | DrillHole) or (isinstance(node, MoveTo) and node.kind != "rapid")
+    return is_cut and not gives_feed(node)
 
 
 def feed_after(node: Node, before: FeedInForce | None, values: Mapping[int, float]) -> FeedInForce | None:

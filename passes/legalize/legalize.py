@@ -53,6 +53,7 @@ from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
 from gproof.passes.legalize.at_rest import at_rest
 from gproof.passes.legalize.context import Context, TooLong
+from gproof.passes.legalize.feeds import goes_on
 from gproof.passes.legalize.kept import count_kept
 from gproof.passes.legalize.options import Lowered, Options
 from gproof.passes.legalize.pattern import Pattern
@@ -288,6 +289,8 @@ class _Legalizer:
 
     def _bent(self, node: Node) -> set[str]:
         """What an operation has where its rapids are not straight on one side, and have to be."""
+        if self.context.feed_lost and goes_on(node):
+            return {"rapid_straight"}
         if isinstance(node, Moves):
             return {"rapid_straight"} if straight_rows(node, self.context).any() else set()
         if isinstance(node, ParkAt):
@@ -388,7 +391,7 @@ class _Legalizer:
     def _place_of(self, node: Node, feature: str) -> Span:
         """The line of an operation, of a table that of its first row with a feature."""
         rows = self._rows_with(node, feature) if isinstance(node, Moves) else None
-        if rows is None or not isinstance(node, Moves):
+        if rows is None or not rows.any() or not isinstance(node, Moves):
             return node.span
         return replace(node.span, line=int(node.rows["line"][int(np.argmax(rows))]))
 

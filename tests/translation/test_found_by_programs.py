@@ -240,6 +240,42 @@ LINES = {
         ["X0.0025", "X0.0026", "X0.0025", "X0.0026"],  # 0.00254 0.00508 0.00762 0.01016 mm
         [],
     ),
+    "distances of a subprogram have all their digits: it may be called again (G20, G91; McuWIN 3.25)": (
+        "eding",
+        "mcuwin",
+        "sub p\nG1 X0.12345\nX0.12345\nendsub\nG20 F10\nG0 X0 Y0 Z0\nG91\ngosub p\ngosub p\nG90\nM30\n",
+        ["M98 L1000", "M98 L1000", "G01 X3.13563", "X3.13563", "M17"],
+        ["X3.1356", "G01 X3.1356"],
+    ),
+    "a peck that ends at the bottom in decimals is the last one (G73; 10.56 - 3 times 2.63 is 2.67)": (
+        "wincnc",
+        "linuxcnc",
+        "G0 X0 Y0 Z20\nG73 X1 Y1 Z2.67 R10.56 Q2.63 F30\nG80\nG0 X2\n",
+        ["G1 Z7.93", "G1 Z5.3", "G1 Z2.67", "G0 Z10.56", "X2"],
+        ["Z3.94", "G0 Z3.94"],
+    ),
+    "an output after a zero that ends a contour does not stop motion itself (McuWIN 3.26, 4.11; M13)": (
+        "wincnc",
+        "mcuwin",
+        "G0 X0 Y0 Z0\nG92 X5\nM13C5\nG0 X9\n",
+        ["G92 X-5", "M26 105", "X9"],
+        [],
+    ),
+    "a full circle by its end where places are sums, 0.1 + 0.2 + 0.3 (G2, G3; grbl goes all round)": (
+        "wincnc",
+        "grbl",
+        "G0 X0.1 Y0.1 Z0\nG91\nG1 X0.2 Y0.2 F100\nX0.3 Y0.3\nG3 I5 J1 F100\nG3 I1 J5\nG2 I-5 J1\nG2 I1 J-5\n",
+        ["G90 G3 X0.6 Y0.6 I5 J1", "X0.6 Y0.6 I1 J5", "G2 X0.6 Y0.6 I-5 J1", "X0.6 Y0.6 I1 J-5"],
+        [],
+    ),
+    "F after a call counts where each way to it has set the same (M98; Feed Velocity)": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nF100\nM98 L10\nM98 L10\nM30\n%\n%10\nM98 L11\nG01 Y1 Z2\nG00 X5\nM17\n%\n"
+        "%11\nG01 X1 F600\nM17\n",
+        ["M98 10.TAP", "M98 10.TAP"],
+        [],
+    ),
 }
 """By what it is about: from, to, the program after its first lines, lines in their order, lines that are not there."""
 
@@ -324,3 +360,11 @@ def test_an_output_at_the_start_of_a_subprogram_comes_after_motion() -> None:
     done = judge("wincnc", "mcuwin", 505, figures)
     assert done is not None and not figures.wrong
     assert b"' part0.tap\nG04 0\nM27 107\n" in done.files[""].replace(b"\r\n", b"\n")
+
+
+def test_a_subprogram_says_the_feed_that_its_call_has_set(tmp_path: Path) -> None:
+    """F of WinCNC is kept for the axes of its line (Feed Velocity): Z says it again after a line in X."""
+    done = translation(
+        tmp_path, *LINES["F after a call counts where each way to it has set the same (M98; Feed Velocity)"][:3]
+    )
+    assert b"Y1 Z2 F600" in done.files["10.TAP"]

@@ -303,13 +303,13 @@ def alike(source: Moves, i: int, target: Moves, j: int, bounds: Floats, notes: I
 @kernel(seconds_per_unit=1e-4, borrows=True)
 def kinds(source: Moves, i: int, target: Moves, j: int, bounds: Floats) -> bool:
     """Whether both are rapids, feed moves or probe moves; an arc is a feed move where chords are allowed, and a rapid
-    of several axes where the target may have a feed move for it."""
+    where the target may have a feed move for it."""
     one = source.op[i]
     other = target.op[j]
     if one == other:
         return True
     if one == TRAVERSE and other == FEED:
-        return bool(bounds[LEAST_RATE] > 0.0 and source.axes[i] > 1)
+        return bool(bounds[LEAST_RATE] > 0.0)
     return bool(bounds[CHORD_MM] > 0.0 and one + other == FEED + ARC_OP and one != other)
 
 

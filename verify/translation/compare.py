@@ -217,7 +217,8 @@ class _Walk:
                 self.result.open(divergence(f"{a.kind} unknown", (a.place, b.place)))
             elif not answer:
                 return n
-            if (a.flying and a.at not in one.rests) != (b.flying and b.at not in other.rests):
+            moving = a.flying and a.at not in one.rests, b.flying and b.at not in other.rests
+            if a.flying != b.flying and moving[0] != moving[1]:
                 return n
         shorter = min(len(one.events), len(other.events))
         return None if len(one.events) == len(other.events) else shorter

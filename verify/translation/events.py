@@ -12,7 +12,8 @@ Left out is what changes nothing:
 
 Dwells in a row at one place are one dwell: the axes rest for the sum, and nothing happens in between. An output that
 motion does not stop for is as one that it stops for where the axes rest at that place anyway: at the start and the end
-of a section, or because of another event there.
+of a section, or because of another event there. Where neither side stops for it, a zero may: that stop is there
+without the output too.
 """
 
 from __future__ import annotations

@@ -54,11 +54,11 @@ class EdingWriter(Rs274Writer):
 
     # ---- X of lathes (2.1.14)
 
-    def words(self, places: tuple[AxisPlace, ...]) -> list[str]:
+    def words(self, places: tuple[AxisPlace, ...], *, summed: bool = False) -> list[str]:
         """Axis words; X of a machine with diameter programming is a diameter."""
         if self.machine.controller.diameter_programming:
             places = tuple(replace(place, at=_doubled(place.at)) if place.axis == "x" else place for place in places)
-        return super().words(places)
+        return super().words(places, summed=summed)
 
     def moves(self, node: Moves) -> None:
         """A table, likewise."""

@@ -297,22 +297,22 @@ class McuWinWriter(JobWriter):
             return text_of(value.value, self.style.decimals)
         return self.pascal.word(value)
 
-    def amount(self, amount: Quantity, by: float = 1.0) -> str:
-        """A quantity in mm, degrees or its own unit."""
+    def amount(self, amount: Quantity, by: float = 1.0, *, summed: bool = False) -> str:
+        """A quantity in mm, degrees or its own unit. summed: see ``decimals_of``."""
         scale = by * factor(amount.unit, "mm")
         if isinstance(amount.value, Number):
-            return text_of(amount.value.value * scale, decimals_of(self.style, amount.unit))
+            return text_of(amount.value.value * scale, decimals_of(self.style, amount.unit, summed=summed))
         if scale != 1.0:
             raise Unprintable("an expression in another unit")
         return self.pascal.word(amount.value)
 
-    def words(self, places: Iterable[AxisPlace]) -> list[str]:
-        """Axis words in the order of the columns."""
+    def words(self, places: Iterable[AxisPlace], *, summed: bool = False) -> list[str]:
+        """Axis words in the order of the columns. summed: they are those of a zero."""
         found = []
         for place in sorted(places, key=lambda one: AXIS_NAMES.index(one.axis)):
             if place.axis not in self.letters:
                 raise Unprintable(f"{place.axis.upper()}, which the machine does not have")
-            found.append(f"{self.letters[place.axis]}{self.amount(place.at)}")
+            found.append(f"{self.letters[place.axis]}{self.amount(place.at, summed=summed or place.relative)}")
         return found
 
     def feed(self, feed: Feed | None) -> list[str]:
@@ -465,7 +465,7 @@ class McuWinWriter(JobWriter):
         if at_machine and {place.axis for place in node.places} == self.interpolating:
             self.line("G53")
         else:
-            self.line(" ".join(["G92", *self.words(node.places)]))
+            self.line(" ".join(["G92", *self.words(node.places, summed=True)]))
         if "relative" in self.constant:
             # What the whole job shares holds in subprograms too.
             self.mode_line(self.constant["relative"])

@@ -51,10 +51,11 @@ def _words(
         slots.append(("G", np.full(count, value), only))
     slots.append(("G", code.astype(np.float64), changed))
     places = decimals_of(style, moves.unit)
+    lengths, angles = (decimals_of(style, unit, summed=moves.relative) for unit in (moves.unit, "deg"))
     for column, letter in enumerate(axes):
         named = (rows["axes"] & np.uint8(1 << column)) != 0
         if letter and named.any():
-            digits = places if column < 3 else style.decimals_deg
+            digits = lengths if column < 3 else angles
             slots.append((letter, rounded(rows["to"][:, column], digits), named))
     arcs = code + 1 >= ARC_CW
     if arcs.any():

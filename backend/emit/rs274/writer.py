@@ -119,20 +119,20 @@ class Rs274Writer(JobWriter):
         operator, number = ("*", by) if by > 1.0 else ("/", round(1.0 / by, FACTOR_DECIMALS))
         return Binary(operator, value, Number(number, value.span), value.span)
 
-    def amount(self, amount: Quantity) -> str:
-        """A quantity in the unit of the text."""
+    def amount(self, amount: Quantity, *, summed: bool = False) -> str:
+        """A quantity in the unit of the text. summed: see ``decimals_of``."""
         unit = self.state.get("unit", amount.unit) if amount.unit in LENGTHS else amount.unit
         value = self.scaled(amount.value, factor(amount.unit, unit))
         if isinstance(value, Number):
-            return text_of(value.value, decimals_of(self.style, unit))
+            return text_of(value.value, decimals_of(self.style, unit, summed=summed))
         return self.expression(value)
 
-    def words(self, places: tuple[AxisPlace, ...]) -> list[str]:
-        """Axis words."""
+    def words(self, places: tuple[AxisPlace, ...], *, summed: bool = False) -> list[str]:
+        """Axis words. summed: they are those of a zero."""
         ordered = sorted(places, key=lambda place: AXIS_NAMES.index(place.axis))
         for place in ordered:
             self.check_axis(AXIS_NAMES.index(place.axis))
-        return [f"{place.axis.upper()}{self.amount(place.at)}" for place in ordered]
+        return [f"{place.axis.upper()}{self.amount(place.at, summed=summed or place.relative)}" for place in ordered]
 
     def check_axis(self, column: int) -> None:
         """Unprintable for an axis that the target does not have."""
@@ -247,7 +247,7 @@ class Rs274Writer(JobWriter):
         self.mode("back", node.back, RETRACT, "G98" if node.back == "before" else "G99", node.span)
         series = [f"{node.bottom.axis.upper()}{self.amount(node.bottom.at)}", f"R{self.amount(node.top.at)}"]
         if node.peck is not None:
-            series.append(f"Q{self.amount(node.peck)}")
+            series.append(f"Q{self.amount(node.peck, summed=True)}")
         if node.dwell is not None:
             series.append(f"P{self.seconds(node.dwell)}")
         repeats = [] if node.repeats is None else [f"L{self.expression(node.repeats)}"]
@@ -322,11 +322,11 @@ class Rs274Writer(JobWriter):
         elif node.action in {"store", "store_here"}:
             assert node.number is not None
             key = "2" if node.action == "store" else "20"
-            words = ["G10", f"L{key}", f"P{self.expression(node.number)}", *self.words(node.places)]
+            words = ["G10", f"L{key}", f"P{self.expression(node.number)}", *self.words(node.places, summed=True)]
             self.put(ONCE, words, node.span)
             self.flush()
         elif node.action == "local_here":
-            self.put(ONCE, ["G92", *self.words(node.places)], node.span)
+            self.put(ONCE, ["G92", *self.words(node.places, summed=True)], node.span)
             self.flush()
         elif node.action in LOCAL:
             self.put(ONCE, [LOCAL[node.action]], node.span)

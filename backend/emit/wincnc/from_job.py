@@ -208,16 +208,20 @@ class WinCncWriter(JobWriter):
 
     # ---- values and modes
 
-    def amount(self, amount: Quantity) -> str:
-        """A quantity in the unit of the text; Unprintable for an expression."""
+    def amount(self, amount: Quantity, *, summed: bool = False) -> str:
+        """A quantity in the unit of the text; Unprintable for an expression. summed: see ``decimals_of``."""
         unit = self.state.get("unit", amount.unit) if amount.unit in LENGTHS else amount.unit
-        return text_of(number(amount.value) * factor(amount.unit, unit), decimals_of(self.style, unit))
+        digits = decimals_of(self.style, unit, summed=summed)
+        return text_of(number(amount.value) * factor(amount.unit, unit), digits)
 
-    def words(self, places: Iterable[AxisPlace]) -> list[str]:
-        """Axis words."""
+    def words(self, places: Iterable[AxisPlace], *, summed: bool = False) -> list[str]:
+        """Axis words. summed: they are those of a zero."""
         ordered = sorted(places, key=lambda place: AXIS_NAMES.index(place.axis))
         self.need_axes(bits(ordered))
-        return [f"{self.letters[AXIS_NAMES.index(place.axis)]}{self.amount(place.at)}" for place in ordered]
+        return [
+            f"{self.letters[AXIS_NAMES.index(place.axis)]}{self.amount(place.at, summed=summed or place.relative)}"
+            for place in ordered
+        ]
 
     def need_axes(self, columns: int) -> None:
         """Unprintable for an axis that the machine does not have."""
@@ -359,7 +363,7 @@ class WinCncWriter(JobWriter):
             self.state["relative"] = False
         words = [*self.words(node.at), *self.words([node.bottom]), f"R{self.amount(node.top.at)}"]
         if node.peck is not None:
-            words.append(f"Q{self.amount(node.peck)}")
+            words.append(f"Q{self.amount(node.peck, summed=True)}")
         if node.kind == "dwell" and node.dwell is not None:
             scale = {"s": 1000.0, "ms": 1.0}[node.dwell.unit]
             words.append(f"P{text_of(number(node.dwell.value) * scale, self.style.decimals)}")
@@ -460,7 +464,7 @@ class WinCncWriter(JobWriter):
                 self.state["cycle"] = None
             if done.over:
                 return
-        words = self.words(node.places)
+        words = self.words(node.places, summed=True)
         if node.action in {"local_here", "zero_at", "zero_shift"}:
             code = {"local_here": "G92", "zero_at": "G92.1", "zero_shift": "G92.2"}[node.action]
             self.command(node.span, code, *words)
@@ -482,7 +486,7 @@ class WinCncWriter(JobWriter):
         if node.arguments or node.count is not None:
             raise Unprintable("a subprogram with arguments, or that repeats")
         self.command(node.span, "M98", self.names[node.name])
-        feed = self.exits.get((node.name, self.state.get("feed")))
+        feed = feed_after((node,), self.state.get("feed"), self)
         self.state = dict(self.constant)
         self.state["feed"] = feed
 
@@ -575,7 +579,8 @@ class WinCncWriter(JobWriter):
             raise Unprintable("an array of rows and columns, whose order the machine file does not say")
         self.unit([node.dx.unit])
         end = [] if node.back else ["E1"]
-        size = [f"R{node.rows}", f"C{node.columns}", f"X{self.amount(node.dx)}", f"Y{self.amount(node.dy)}"]
+        size = [f"R{node.rows}", f"C{node.columns}"]
+        size += [f"{axis}{self.amount(by, summed=True)}" for axis, by in (("X", node.dx), ("Y", node.dy))]
         before = self.state.get("feed")
         after = feed_after(node.body, before, self)
         entry: dict[str, Any] = dict(self.constant) | {"feed": before if after == before else OPEN_FEED}

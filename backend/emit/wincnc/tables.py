@@ -43,10 +43,11 @@ def _words(
     np.not_equal(code[1:], code[:-1], out=changed[1:])
     slots: list[tuple[str, Array, Array]] = [("G", code.astype(np.float64), changed | arcs)]
     places = decimals_of(style, moves.unit)
+    lengths, angles = (decimals_of(style, unit, summed=moves.relative) for unit in (moves.unit, "deg"))
     for column, letter in enumerate(axes):
         named = (rows["axes"] & np.uint8(1 << column)) != 0
         if letter and named.any():
-            digits = places if column < 3 else style.decimals_deg
+            digits = lengths if column < 3 else angles
             slots.append((letter, rounded(rows["to"][:, column], digits), named))
     if arcs.any():
         # A centre word that is missing may be that of the arc before.

@@ -21,6 +21,8 @@ from gproof.passes.legalize.context import Context
 from gproof.passes.legalize.pattern import Pattern
 
 MOST_PECKS = 1000
+SAME_DEPTH = 1e-9
+"""mm."""
 
 
 def single_holes(node: Node, feature: str, context: Context) -> list[Node] | None:
@@ -166,7 +168,8 @@ class _Hole:
         clearance = min(clearance, peck)
         depth, count = self.top, 0
         while True:
-            depth = max(depth - peck, self.bottom)
+            # A bottom that whole pecks reach in decimals is reached, whatever binary fractions say.
+            depth = depth - peck if depth - peck > self.bottom + SAME_DEPTH else self.bottom
             self.feed(depth)
             count += 1
             if depth <= self.bottom or count > MOST_PECKS:

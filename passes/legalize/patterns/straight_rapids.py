@@ -17,8 +17,9 @@ from gproof.ir.job import MM, MOVE, RAPID, AxisPlace, DrillHole, Feed, Moves, Mo
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Number
 from gproof.passes.legalize.context import Context
-from gproof.passes.legalize.feeds import FeedInForce
+from gproof.passes.legalize.feeds import FeedInForce, goes_on
 from gproof.passes.legalize.pattern import Pattern
+from gproof.passes.legalize.patterns.machine_moves import NEEDED
 from gproof.passes.legalize.row_places import positions
 
 FEED_MOVE = RAPID + 1
@@ -31,11 +32,14 @@ def as_feed(node: Node, feature: str, context: Context) -> list[Node] | None:
     """A rapid, or those of a table."""
     if not _is_possible(context):
         return None
+    if context.feed_lost and goes_on(node):
+        context.why = "which feed is in force here is not known, and a rapid before it became a feed move: say F here"
+        return None
     if isinstance(node, Moves):
         return _table(node, context)
     if not isinstance(node, MoveTo):
         return None
-    if node.frame == "machine" and "machine_feed" not in context.target.legal | _between_zeros(context):
+    if node.frame == "machine" and not _has_machine_feed(context):
         context.why = "moves in machine coordinates are rapids there, which are not straight: move one axis at a time"
         return None
     unit = next((place.at.unit for place in node.to if place.at.unit in MM), "mm")
@@ -52,8 +56,10 @@ def as_feed(node: Node, feature: str, context: Context) -> list[Node] | None:
     if after is None:
         return None
     context.assume(ASSUMED)
-    feed = Feed(Quantity(Number(rate, node.span), unit))
-    return [replace(node, kind="feed", feed=feed), *after]
+    move = replace(node, kind="feed", feed=Feed(Quantity(Number(rate, node.span), unit)))
+    if before is None:
+        context.losing.append(move)
+    return [move, *after]
 
 
 def rests(place: AxisPlace, context: Context) -> bool:
@@ -62,9 +68,10 @@ def rests(place: AxisPlace, context: Context) -> bool:
     return value is not None and value == (0.0 if place.relative else context.place.get(place.axis))
 
 
-def _between_zeros(context: Context) -> dict[str, str]:
-    """A move in machine coordinates with feed where the target has it by a zero that is put there and back."""
-    return {} if "machine_move" in context.target.legal else {"machine_feed": ""}
+def _has_machine_feed(context: Context) -> bool:
+    """Whether the target has moves with feed in machine coordinates, or a zero that is put there and back."""
+    legal = context.target.legal
+    return "machine_feed" in legal or all(one in legal for one in NEEDED)
 
 
 def _is_possible(context: Context) -> bool:
@@ -89,13 +96,10 @@ def _rate(axes: list[str], unit: str, context: Context) -> float | None:
 
 
 def _again(before: FeedInForce | None, span: Span, context: Context) -> list[Node] | None:
-    """The feed in force before, said again; nothing where there was none yet."""
-    if before is None:
-        context.why = "its rapids are not straight, and which feed is in force here, and counts after it, is not known"
-        return None
-    value, unit, per = before
-    if np.isnan(value):
+    """The feed in force before, said again; nothing where there was none yet, or where it is not known."""
+    if before is None or np.isnan(before[0]):
         return []
+    value, unit, per = before
     if per != "minute":
         context.why = "its rapids are not straight, and feeds are no feeds a minute here"
         return None
@@ -123,10 +127,12 @@ def _table(node: Moves, context: Context) -> list[Node] | None:
     fed = np.flatnonzero(rows["kind"] != RAPID)
     lost = fed[changed[fed] > np.concatenate([[0], changed[fed][:-1]])] if len(fed) else fed
     ends_lost = bool(changed[-1] > (changed[fed[-1]] if len(fed) else 0))
-    start = np.nan
+    start, is_open = np.nan, False
     if (given[lost] < 0).any() or (ends_lost and given[-1] < 0):
         again = _again(context.feed, node.span, context)
-        if again is None:
+        is_open = context.feed is None
+        if again is None or (is_open and (given[lost] < 0).any()):
+            context.why = context.why or "its rapids are not straight, and which feed counts after one is not known"
             return None
         if again and context.feed is not None:
             start = context.feed[0] * MM[context.feed[1]] / MM[node.unit]
@@ -137,6 +143,8 @@ def _table(node: Moves, context: Context) -> list[Node] | None:
     arrays = dict(rows.arrays) | {"kind": kind, "feed": np.where(found, rapid, feed)}
     context.assume(ASSUMED)
     table = replace(node, rows=Columns(MOVE, arrays))
+    if is_open and ends_lost:
+        context.losing.append(table)
     if not ends_lost or np.isnan(in_force[-1]):
         return [table]
     back = Feed(Quantity(Number(float(in_force[-1]), node.span), node.unit))

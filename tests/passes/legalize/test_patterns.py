@@ -418,8 +418,26 @@ def test_the_feed_before_a_rapid_that_becomes_a_feed_move_counts_after_it() -> N
     nodes = legalize(job(replace(table, rows=table.rows.slice(0, 2)), cut(x=5)), TARGETS["mcuwin"].target(), STRAIGHT)
     assert said(nodes.job.body).endswith("SetFeed; cut x5")
     open_feed = replace(cut(x=1), feed=Feed(mm(variable(7))))
-    refused = legalize(job(open_feed, rapid(x=9, y=5)), TARGETS["mcuwin"].target(), STRAIGHT).refused
-    assert [one.construct for one in refused] == ["rapid of several axes that must be straight"]
+    refused = legalize(job(open_feed, rapid(x=9, y=5), cut(x=2)), TARGETS["mcuwin"].target(), STRAIGHT).refused
+    assert [one.why.endswith("say F here") for one in refused] == [True]
+    again = replace(cut(x=2), feed=Feed(mm(50)))
+    legal = legalize(job(open_feed, rapid(x=9, y=5), again), TARGETS["mcuwin"].target(), STRAIGHT)
+    assert said(legal.job.body) == "cut x1 f#7; cut x9 y5 f5000; cut x2 f50"
+
+
+def test_a_loop_whose_feed_is_said_after_each_rapid_stays_one() -> None:
+    fed = replace(cut(z=-1), feed=Feed(mm(50)))
+    loop = LoopWhile(condition=TWICE, body=(rapid(x=N, y=5), fed, ONE_MORE), span=PLACE)
+    legal = legalize(job(ZERO, loop), TARGETS["mcuwin"].target(), STRAIGHT)
+    assert said(legal.job.body) == "#1 = 0; while (#1 < 2) {cut x#1 y5 f5000; cut z-1 f50; #1 = (#1 + 1)}"
+    # Where the feed is that of the pass before, each pass has another one.
+    body = (rapid(x=N, y=5), cut(z=0), fed, ONE_MORE)
+    first = replace(cut(x=1), feed=Feed(mm(100)))
+    opened = legalize(job(first, ZERO, replace(loop, body=body)), TARGETS["mcuwin"].target(), STRAIGHT)
+    assert not opened.refused
+    one = "cut x#1 y5 f5000; SetFeed; cut z0; cut z-1 f50; #1 = (#1 + 1)"
+    two = "rapid x#1 y5; cut z0; cut z-1 f50; #1 = (#1 + 1)"  # Y is at 5 already
+    assert said(opened.job.body) == f"cut x1 f100; #1 = 0; {one}; {two}"
 
 
 def test_rapids_that_are_straight_on_neither_side_are_refused_and_why() -> None:
@@ -431,7 +449,7 @@ def test_rapids_that_are_straight_on_neither_side_are_refused_and_why() -> None:
         (replace(STRAIGHT, rapid_rates={"x": 6000.0}), job(rapid(x=1, y=2)), "no velocity of Y"),
         (STRAIGHT, job(rapid(x=1, y=2, frame="machine")), "move one axis at a time"),
     ):
-        (refused,) = legalize(body, TARGETS["wincnc"].target(), options).refused
+        (refused,) = legalize(body, without("wincnc", "frame_zero_keep"), options).refused
         assert why in refused.why, refused.why
     alone = job(rapid(x=1), rapid(y=2), rapid(x=1, y=3), rapid(z=5), rapid(x=1), rapid(y=2), hole())
     legal = legalize(alone, TARGETS["wincnc"].target(), both)

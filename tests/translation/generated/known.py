@@ -20,6 +20,8 @@ PAIRS = {1: (0, 1), 2: (2, 0), 3: (1, 2)}
 """Columns of the axes of a plane, so that counter-clockwise is from the first to the second."""
 MOST_RUNS = 64
 """Runs of a program by what its inputs answer; the rest is left out on both sides."""
+LOOKS_EVERY = 0.1
+"""Seconds: a loop that looks for an input as often as this is the wait for it."""
 SAMPLES = 3
 """Places within a part of the path, besides its end."""
 
@@ -120,7 +122,11 @@ def _comes_back(trace: Trace, edge: Edge, to: int, *, again: bool = True) -> boo
             continue
         seen.add(here)
         section = trace.sections[here]
-        if any(op < Op.INPUT_WAIT or op in (Op.STOP, Op.HOME) for op in section.rows["op"].tolist()):
+        rows = zip(section.rows["op"].tolist(), section.rows["arg"].tolist(), strict=True)
+        if any(
+            (op < Op.INPUT_WAIT and not (op == Op.DWELL and arg[0] <= LOOKS_EVERY)) or op in (Op.STOP, Op.HOME)
+            for op, arg in rows
+        ):
             continue
         if here not in trace.questions:
             rest += [one.target for one in section.edges]

@@ -24,6 +24,8 @@ class WinCnc(Writer):
     def __init__(self, rng: random.Random, without: frozenset[str]) -> None:
         super().__init__(rng, without)
         self.files: dict[str, str] = {}
+        self.written_in: dict[str, object] = {}
+        """By file: the modes it was written for; in others its arcs are none."""
         self.fed: tuple[bool, frozenset[str]] | None = None
         """Whether the last feed was said on an arc, and the axes of its line: it holds for these (F)."""
 
@@ -279,17 +281,16 @@ class WinCnc(Writer):
 
     def called(self) -> None:
         self.one_call()
-        if self.chance(0.4):
-            self.say(f"M98 part{self.rng.randrange(len(self.files))}.tap" if not self.deep else "M99")
-            if self.deep:
-                self.lines.pop()
+        fit = [name for name, modes in self.written_in.items() if modes == self.modes()]
+        if self.chance(0.4) and not self.deep:
+            self.say(f"M98 {self.rng.choice(fit)}")
             self.at, self.code = {}, ""
 
     def one_call(self) -> None:
         """A file of its own; it gives the zero of its caller back at its end (L92)."""
         before = self.modes()
         name = f"part{len(self.files)}.tap"
-        self.files[name] = ""
+        self.files[name], self.written_in[name] = "", before
         self.fed = None
         body = self.captured(lambda: self.block(self.rng.randrange(1, 5)))
         assert self.modes() == before

@@ -48,7 +48,8 @@ class Language:
     line_length: most characters that count, 0 for any; real_time: characters that it never reads as text;
     arc_needs_axis: an arc names an axis of its plane; chord_slack: mm that a chord may be longer than the diameter of
     R; arc_slack: mm that both radii of an arc may differ, whatever it is; arc_share: above that by which share;
-    arc_most: never more."""
+    arc_most: never more; circle_fuzz: radians behind its start that an arc may end and go all round (both controllers'
+    sources)."""
 
     title: str
     g: frozenset[int]
@@ -63,12 +64,13 @@ class Language:
     arc_slack: float
     arc_share: float
     arc_most: float
+    circle_fuzz: float
 
 
 LINUXCNC = Language(
     title="LinuxCNC", g=frozenset(GROUP_OF) - {431}, m=frozenset(M_GROUP_OF), axes="XYZABC", offsets=9,
     structured=True, line_length=255, real_time="", arc_needs_axis=False, chord_slack=1e-4, arc_slack=0.00127,
-    arc_share=0.001, arc_most=0.127,
+    arc_share=0.001, arc_most=0.127, circle_fuzz=1e-6,
 )  # fmt: skip
 """Arcs: Overview and G-Codes G2 G3; the tolerances are those that the controller has without an entry in its INI."""
 
@@ -80,4 +82,5 @@ GRBL = Language(
     )),
     m=frozenset((0, 20, 300, 30, 40, 50, 80, 90)), axes="XYZ", offsets=6, structured=False, line_length=79,
     real_time="?!~", arc_needs_axis=True, chord_slack=0.0, arc_slack=0.005, arc_share=0.001, arc_most=0.5,
+    circle_fuzz=5e-7,
 )  # fmt: skip

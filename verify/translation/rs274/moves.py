@@ -109,6 +109,9 @@ def _arcs(
     if lost.any():
         raise Unread("an arc from a place that is unknown", int(lines[which[np.flatnonzero(lost)[0]]]))
     begin, end = before[which][:, pair], to[which][:, pair]
+    closed = (np.abs(end - begin) <= STILL).all(axis=1)
+    end[closed] = begin[closed]
+    to[which[:, None], np.array(pair)] = end
     offsets = words[which][:, [6 + first, 6 + second]]
     stray = ~np.isnan(words[which, 6 + across])
     by_radius = ~np.isnan(radius[which])
@@ -132,8 +135,16 @@ def _arcs(
     arrays["center"][which, first] = center[:, 0]
     arrays["center"][which, second] = center[:, 1]
     arrays["center"][which, across] = before[which, across]
-    arrays["turns"][which] = np.where(code[which] == 2, -turns, turns)
+    sense = np.where(code[which] == 2, -1, 1)
+    arrays["turns"][which] = sense * (turns + _all_round(begin - center, end - center, sense, language.circle_fuzz))
     arrays["plane"][which] = int(PLANES[manner.plane])
+
+
+def _all_round(one: Floats, other: Floats, sense: Ints, fuzz: float) -> npt.NDArray[np.bool_]:
+    """Arcs that end so little behind their start that the controller goes all round, as it does at the start itself."""
+    cross = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    ahead: Floats = np.arctan2(cross * sense, (one * other).sum(axis=1))
+    return (ahead > 0.0) & (ahead <= fuzz)
 
 
 def _by_radius(
