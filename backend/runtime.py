@@ -39,6 +39,7 @@ from gproof.backend.section_notes import at_fields, begin_fields, loss_of, secti
 from gproof.backend.section_run import SLICE, Pace, SectionRun
 from gproof.backend.trail import Trail
 from gproof.backend.unfit import unfit
+from gproof.backend.watch import Moment, Watch
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import Machine
@@ -70,6 +71,9 @@ LATENCY = 0.01
 PREPARING = 0.2
 """Seconds for calculating a feed hold while a board runs, in addition to twice what a rehearsal took."""
 
+
+EVERY = 0.1
+"""Seconds between two words about where a run is."""
 
 NOTED = 1.0
 """Seconds of motion between two entries of the journal that say how far a section has come."""
@@ -107,6 +111,7 @@ def run(
     control: Control | None = None,
     journal: Notes | None = None,
     announce: Announce | None = None,
+    on_moment: Callable[[Moment], None] | None = None,
 ) -> ExecutionRecord:
     """Run a package on a board; RunRefused before any motion, a record afterwards whatever happens.
 
@@ -121,6 +126,7 @@ def run(
     other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
     what has to be there when this process ends before the run does; a run that cannot go on writing it ends at rest.
     announce: told before anything moves what no pin of the board does, so that the operator will be asked to.
+    on_moment: told some times a second where the run is.
     """
     job = checked_job(
         package, machine=machine, setup=setup, trusted_keys=trusted_keys, allow_untrusted=allow_untrusted
@@ -136,6 +142,7 @@ def run(
         control=control,
         journal=journal,
         announce=announce,
+        on_moment=on_moment,
     )
 
 
@@ -151,6 +158,7 @@ def walk(
     control: Control | None = None,
     journal: Notes | None = None,
     announce: Announce | None = None,
+    on_moment: Callable[[Moment], None] | None = None,
 ) -> ExecutionRecord:
     """``run`` for a job that has been checked; only ``checked_job`` makes one from a package."""
     factor = Fraction(override).limit_denominator(1000)
@@ -162,6 +170,8 @@ def walk(
     walking = _Walk(job, board, operator or AutoContinue(), control or Control())
     walking.factor, walking.holds, walking.estop_at = factor, holds, estop_at
     walking.on_progress, walking.journal, walking.announce = on_progress, journal, announce
+    if on_moment is not None:
+        walking.on_moment, walking.watch = on_moment, Watch(job, factor)
     with interrupts(walking.control):
         walking.control.running()
         try:
@@ -184,6 +194,9 @@ class _Walk:
         self.on_progress: Progress | None = None
         self.journal: Notes | None = None
         self.announce: Announce | None = None
+        self.on_moment: Callable[[Moment], None] | None = None
+        self.watch: Watch | None = None
+        self._told = 0.0
         self.trail = Trail()
         self.result = Result.FAULT
         self.reason = ""
@@ -320,6 +333,7 @@ class _Walk:
         finally:
             self._note(before, run, retimings)
         ended = run.ended
+        self._tell(ended.ticks, before, run)
         if ended.outcome is not Result.COMPLETED:
             self.result, self.reason = ended.outcome, ended.reason
             return -1
@@ -464,6 +478,23 @@ class _Walk:
             self._events_noted += len(new)
             self._write("at", at_fields(now, before, seen, new, run.base))
         self._show(now)
+        if self.on_moment is not None and time.monotonic() >= self._told + EVERY:
+            self._tell(now, before, run)
+
+    def _tell(self, now: int, before: Status, run: SectionRun) -> None:
+        """Tell who watches where the run is; one that has gone is not told any more, and the machine goes on."""
+        if self.on_moment is None or self.watch is None:
+            return
+        seen = run.seen or before
+        made = sum(since(before.steps, seen.steps))
+        part = min(1.0, (self.done_ticks + max(0, now)) / self._all_ticks)
+        self._told = time.monotonic()
+        try:
+            self.on_moment(self.watch.moment(run.ended.section, now, part, made, seen.position))
+        except KeyboardInterrupt:
+            self.control.interrupt()
+        except OSError:
+            self.on_moment = None
 
     def _show(self, now: int) -> None:
         """Tell the progress, at most a thousand times."""

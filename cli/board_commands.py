@@ -9,6 +9,7 @@ import click
 from gproof.cli.help import Command, Group, option
 from gproof.cli.options import BOARD, FILE, RECORD, REQUIRED, FileName, Finite, OneOf, chips, package_options
 from gproof.cli.options import boards as board_names
+from gproof.cli.run_progress import AUTO, CHOICES
 
 BAUD = click.IntRange(1200, 10_000_000)
 
@@ -37,6 +38,10 @@ BAUD = click.IntRange(1200, 10_000_000)
 @option("--override", title=BOARD, metavar="FACTOR", type=Finite(0.1, 1.0), help="Feed override, 0.1 to 1")
 @option("--hold-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Feed hold at this time of the first section")
 @option("--estop-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Emergency stop at this time")
+@option(
+    "--progress", title=BOARD, type=click.Choice(CHOICES), default=AUTO,
+    help="Show how far it is: a line on a terminal, JSON lines on standard error, nothing [default: auto]",
+)  # fmt: skip
 @package_options
 @option(
     "--allow-untrusted", title=REQUIRED, is_flag=True,
@@ -58,7 +63,7 @@ def run(
     package: Path, board: str, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
     allow_untrusted: bool, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
     override: float | None, ask: bool, replace_record: bool, runs: Path | None, after_interruption: bool,
-    port: str | None, baud: int | None,
+    port: str | None, baud: int | None, progress: str,
 ) -> int:  # fmt: skip
     """Run a certified step stream on a board.
 
@@ -73,7 +78,7 @@ def run(
             package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
             override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
             trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted, port=port,
-            baud=baud,
+            baud=baud, progress=progress,
         )  # fmt: skip
 
 

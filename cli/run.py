@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gproof.backend.boards.registry import BOARDS
+from gproof.cli.run_progress import AUTO, Asking, Shown, shown
 from gproof.cli.signals import INTERRUPTED, ends_with_its_command
 from gproof.cli.telling import warn
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
@@ -25,7 +26,7 @@ from gproof.ir.verdict import Verdict
 from gproof.report.text import print_findings
 
 if TYPE_CHECKING:
-    from gproof.backend.operators import WaitRequest
+    from gproof.backend.operators import Operator, WaitRequest
     from gproof.backend.record_data import ExecutionRecord
     from gproof.cli.run_journal import Keeper
     from gproof.ir.setup import Setup
@@ -37,18 +38,17 @@ def run_run(
     override: float | None, ask: bool, runs: Path | None = None, after_interruption: bool = False,
     replace_record: bool = False, trust: tuple[Path, ...] = (), machine: Path | None = None, setup: str | None = None,
     source: Path | None = None, allow_untrusted: bool = False, port: str | None = None, baud: int | None = None,
+    progress: str = AUTO,
 ) -> int:  # fmt: skip
     """Check the package again, run it, print what came back; exit 0 only for a completed run.
 
     trust, machine, setup, source: whom to believe besides the own keys, and what is at hand; allow_untrusted: nobody
     has to be believed, on a board that moves nothing. port, baud: where the board is, instead of where the machine file
-    says. runs: where the journal is kept; after_interruption, replace_record:
-    answers given beforehand (``run_journal.settled``, ``require_record_place``).
+    says. runs: where the journal is kept; after_interruption, replace_record: answers given beforehand
+    (``run_journal.settled``, ``require_record_place``). progress: how it is shown (``run_progress.CHOICES``).
     """
-    from gproof.backend.boards.board import MOVES_NOTHING
     from gproof.backend.control import Control
     from gproof.backend.interrupts import interrupts
-    from gproof.backend.operators import AutoContinue, Terminal
     from gproof.backend.record_data import Result
     from gproof.backend.runtime import run
     from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
@@ -76,26 +76,27 @@ def run_run(
     control = Control()
     keeper = Keeper(folder, board, path, record, replace)
     began = time.monotonic()
+    show = shown(progress)
     with interrupts(control, for_good=ends_with_its_command()), keeper:
-        with _progress() as progress:
-            done = _attempted(
-                lambda: run(
-                    package,
-                    lambda: BOARDS[board](
-                        plugged_in(at_hand.machine or package.machine, port, baud), len(package.stream.motors),
-                        real_time,
-                    ),
-                    operator=Terminal(ask=_ask, tell=_tell) if ask or board not in MOVES_NOTHING else AutoContinue(),
-                    on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
-                    estop_at=None if estop_at is None else round(estop_at * frequency),
-                    override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
-                    machine=at_hand.machine, setup=at_hand.setup, trusted_keys=trusted,
-                    allow_untrusted=allow_untrusted, control=control, journal=keeper.journal, announce=_announce,
+        if show is not None:
+            show.start(str(package.body.get("job", path)), board, [motor.name for motor in package.stream.motors])
+        done = _attempted(
+            lambda: run(
+                package,
+                lambda: BOARDS[board](
+                    plugged_in(at_hand.machine or package.machine, port, baud), len(package.stream.motors), real_time
                 ),
-                board, keeper, of_files, machine,
-            )  # fmt: skip
-            if isinstance(done, int):
-                return done
+                operator=_operator(ask, board, show), on_moment=None if show is None else show.moment,
+                hold_at=None if hold_at is None else round(hold_at * frequency),
+                estop_at=None if estop_at is None else round(estop_at * frequency),
+                override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
+                machine=at_hand.machine, setup=at_hand.setup, trusted_keys=trusted,
+                allow_untrusted=allow_untrusted, control=control, journal=keeper.journal, announce=_announce,
+            ),
+            board, keeper, of_files, machine, show,
+        )  # fmt: skip
+        if isinstance(done, int):
+            return done
         took = time.monotonic() - began
         where, lost = keeper.keep(done)
         findings = Findings()
@@ -110,25 +111,42 @@ def run_run(
     return INTERRUPTED if control.signalled else Verdict.UNSAFE.exit_code
 
 
+def _operator(ask: bool, board: str, show: Shown | None) -> Operator:
+    """Who answers: a person, for a board that moves a machine always."""
+    from gproof.backend.boards.board import MOVES_NOTHING
+    from gproof.backend.operators import AutoContinue, Terminal
+
+    asked = ask or board not in MOVES_NOTHING
+    operator: Operator = Terminal(ask=_ask, tell=_tell) if asked else AutoContinue()
+    return operator if show is None else Asking(operator, show.asks)
+
+
 def _attempted(
-    start: Callable[[], ExecutionRecord], board: str, keeper: Keeper, files: Findings, machine: Path | None
-) -> ExecutionRecord | int:
+    start: Callable[[], ExecutionRecord], board: str, keeper: Keeper, files: Findings, machine: Path | None,
+    show: Shown | None,
+) -> ExecutionRecord | int:  # fmt: skip
     """The record of a run, or the exit code where nothing was moved; UsageError where the board cannot be used."""
     from gproof.backend.boards.board import BoardError
     from gproof.backend.runtime import RunFailed, RunRefused
 
+    done: ExecutionRecord | None = None
     try:
-        return start()
+        done = start()
+        return done
     except RunRefused as refused:
         return _refused(list(refused.findings))
     except RunFailed as failed:
-        return failed.record
+        done = failed.record
+        return done
     except BoardError as error:
         if (found := wiring_finding(error, files, machine)) is not None:
             return _refused([found])
         raise unusable_board(board, error) from None
     except OSError as error:
         raise keeper.unusable(error) from None
+    finally:
+        if show is not None:
+            show.end(done)
 
 
 def _lines(
@@ -202,17 +220,3 @@ def _refused(found: list[Finding]) -> int:
     click.echo("gproof: nothing was moved: the package was refused", err=True)
     errors = any(f.severity is Severity.ERROR for f in found)
     return (Verdict.UNSAFE if errors else Verdict.UNKNOWN).exit_code
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[float], None] | None]:
-    """A bar on a terminal, nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("running", total=1.0)
-        yield lambda part: bar.update(task, completed=part)
