@@ -182,3 +182,53 @@ def test_outputs_of_a_spindle_that_are_switched_one_by_one(
     terms = TranslationTerms(source="WinCNC", target="WinCNC", source_outputs=outputs, target_outputs=outputs)
     answer = shop.compared((head + commands + rest, "wincnc"), (head + other + rest, "wincnc"), terms)
     assert (answer.verdict is Verdict.SAFE) == is_proven, answer
+
+
+COOLANTS = SpindleOutputs(forward=(2,), mist=(4,), coolant=(3, 4))
+
+
+@pytest.mark.parametrize(
+    "commands, other, is_proven",
+    [
+        # M9 of a shop is both outputs off, whichever comes first.
+        ("M11C3\nM11C4\nG1 X1 F9\nM12C3\nM12C4\n", "M11C3\nM11C4\nG1 X1 F9\nM12C4\nM12C3\n", True),
+        ("M11C3\nM11C4\nG1 X1 F9\nM12C3\nM12C4\n", "M11C3\nM11C4\nG1 X1 F9\nM12C3\n", False),
+        ("M11C3\nM11C4\nG1 X1 F9\nM12C3\nM12C4\n", "M11C3\nM11C4\nG1 X1 F9\nM12C4\n", False),
+        ("M11C3\nM11C4\nG1 X1 F9\nM12C3\nM12C4\n", "M11C3\nM11C4\nG1 X1 F9\nM12C3\nM11C3\n", False),
+        ("M11C3\nM11C4\nM12C3\nG1 X1 F9\nM12C4\n", "M11C3\nM11C4\nM12C3\nM12C4\nG1 X1 F9\n", False),
+        ("M11C3\nM11C4\nM12C3\nG4 X1\nM12C4\n", "M11C3\nM11C4\nM12C3\nM12C4\nG4 X1\n", False),
+        # After a stop, what a command does not name is as the operator has left it, on both machines.
+        ("M11C3\nG4\nM11C4\n", "M11C3\nG4\nM11C4\n", True),
+        ("M11C3\nG4\nM11C4\n", "M11C3\nG4\nM12C3\nM11C4\n", False),
+        ("M11C3\nG4\nM11C4\n", "M11C3\nG4\nM11C3\n", False),
+        ("M11C3\nG4\nM11C4\n", "M11C3\nG4\n", False),
+        ("M11C2\nG4\nS800\n", "M11C2\nG4\n", False),
+        ("M11C2\nG4\nS800\nM11C2\n", "M11C2\nG4\nS800\nM12C2\n", False),
+    ],
+)
+def test_outputs_of_coolants_and_stops(shop: Shop, commands: str, other: str, is_proven: bool) -> None:
+    head, rest = "G22\nG90\nS900\n", "G1 X5 F9\n"
+    terms = TranslationTerms(source="WinCNC", target="WinCNC", source_outputs=COOLANTS, target_outputs=COOLANTS)
+    answer = shop.compared((head + commands + rest, "wincnc"), (head + other + rest, "wincnc"), terms)
+    assert (answer.verdict is Verdict.SAFE) == is_proven, answer
+
+
+@pytest.mark.parametrize(
+    "commands, other, is_proven",
+    [
+        ("S6000 M03\n", "S6000 M03\n", True),
+        ("S6000 M03\n", "S6000 M04\n", False),
+        ("S6000 M03\n", "S6000 M05\n", False),
+        ("S6000 M03\n", "S6000\n", False),
+        ("S6000 M03\n", "S6000\nG01 X1\nM03\n", False),
+        ("S6000 M03\n", "S6000 M04\nS6000 M03\n", False),
+    ],
+)
+def test_a_speed_after_a_stop_is_part_of_the_command_of_its_line(
+    shop: Shop, commands: str, other: str, is_proven: bool
+) -> None:
+    """S before M03 in one line (McuWIN 5.4), while M04 may be on: one that turns the spindle so is not left out."""
+    one, two = (f"%1\nG90 G71\nS900\nM04\nF100\nM00\n{words}G01 X2\nM30\n" for words in (commands, other))
+    terms = TranslationTerms(source="McuWIN", target="McuWIN")
+    answer = shop.compared((one, "mcuwin", DIN), (two, "mcuwin", DIN), terms)
+    assert (answer.verdict is Verdict.SAFE) == is_proven, answer
