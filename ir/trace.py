@@ -117,7 +117,8 @@ ARGUMENTS = {
     Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm (infinite: unknown)",
     Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
     Op.MESSAGE: "text: the message",
-    Op.END: "arg[0]: 1 where no code says so: after the last line; 2 after what runs after an abort",
+    Op.END: "arg[0]: 1 where no code says so: after the last line; 2 after what runs after an abort; arg[1]: 1 where "
+    "the code switches spindle and coolant off",
     Op.DEVICE: "text: a command to a device or a setting that moves nothing, as written",
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ from gproof.passes.legalize.constants import constant
 from gproof.passes.legalize.feeds import NO_FEED, FeedInForce, feed_after, gives_feed
 from gproof.passes.legalize.job_axes import axes_of, moved_by
 from gproof.passes.legalize.options import Lowered, Options, Zero
+from gproof.passes.legalize.reached import reached
 from gproof.passes.legalize.switched import switched_perhaps
 from gproof.passes.legalize.transform import SAME, Transform, applied, joined
 
@@ -407,7 +409,7 @@ class Context:
         if is_select and "frame_select" in self.target.legal and (number in self.offsets or number in self.doubtful):
             return True
         one_offset = "frame_zero_shift" in self.target.legal and "frame_local_here" not in self.target.legal
-        return is_select and ((one_offset and bool(self.local)) or self.borrowed)
+        return is_select and ((one_offset and self.local != {}) or self.borrowed)
 
     def machine_place(self, axis: str) -> float | None:
         """Where an axis is, from machine zero and without a tool length; None where it is not known."""
@@ -415,6 +417,15 @@ class Context:
         if zero is not None and not zero[0] and axis in self.place and self.local == {}:
             return zero[1] + self.place[axis]
         return self.at_machine.get(axis)
+
+    def copied(self, node: SetFrame) -> SetFrame:
+        """Another operation with the same content, and for the same purpose."""
+        found = replace(node)
+        self.settled = found if self.settled is node else self.settled
+        self.placed = found if self.placed is node else self.placed
+        if self.coming is not None and self.coming[0] is node:
+            self.coming = found, *self.coming[1:]
+        return found
 
     def is_as_is(self, node: Node) -> bool:
         """Whether a frame is meant as it stands, without the length of the tool."""
@@ -509,7 +520,7 @@ class Context:
         """What these operations may change is not known after them: places, and variables that they write."""
         self.place = {}
         self.uneven |= switched_perhaps(body, self.job.routines) - self.switched
-        for node in self._all(body, set()):
+        for node in reached(body, self.job.routines, set()):
             self._forget_device(node)
             self.feed = None if gives_feed(node) else self.feed
             self.feed_lost |= bool(self.options.straight_rapids)
@@ -582,14 +593,6 @@ class Context:
         turns = {one.direction for one in self.nodes() if isinstance(one, TurnSpindle)}
         return {"cw", "ccw"} <= turns
 
-    def _all(self, body: Nodes, seen: set[str]) -> Iterable[Node]:
-        """Operations of a body and of the routines that it runs."""
-        for node in walk(body):
-            yield node
-            if isinstance(node, RunRoutine) and node.name not in seen:
-                seen.add(node.name)
-                yield from self._all(self.job.routines[node.name].body, seen)
-
     def routine_nodes(self, name: str) -> Iterable[Node]:
         """Operations of a routine and of those that it runs."""
-        return self._all(self.job.routines[name].body, {name})
+        return reached(self.job.routines[name].body, self.job.routines, {name})

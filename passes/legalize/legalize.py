@@ -51,7 +51,7 @@ from gproof.ir.job_features import expressions, features, parts_of_expression, r
 from gproof.ir.program import Binary, Number, Unary
 from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
-from gproof.passes.legalize.at_rest import at_rest
+from gproof.passes.legalize.at_rest import at_rest, at_rest_now, zero_changes
 from gproof.passes.legalize.context import Context, TooLong
 from gproof.passes.legalize.feeds import goes_on
 from gproof.passes.legalize.kept import count_kept
@@ -106,13 +106,33 @@ def legalize(job: Job, target: Target, options: Options) -> Legal:
         job = structured(job)
     if any(isinstance(node, SwitchOutput) and node.moving for node in _everything(job)):
         before = "output_moving" not in target.legal
-        job = at_rest(job, before=before, zeros=options.zeros_end_contours)
-    opened = Opened()
+        zeros = zero_changes(job) if options.zeros_end_contours else None
+        job = at_rest(job, before=before, zeros=zeros)
+        if zeros is not None and "output" in target.legal:
+            return _with_outputs(job, target, options, zeros)
+    return _legalized(job, target, options, Opened())
+
+
+def _with_outputs(job: Job, target: Target, options: Options, zeros: frozenset[Span]) -> Legal:
+    """Outputs for which motion stops or not by the way that a choice took need to know that way."""
+    doubtful: list[Span] = []
+    for choices in (False, True):
+        found = _legalized(job, target, options, Opened(choices=choices))
+        if not found.refused:
+            found.job, doubtful = at_rest_now(found.job, zeros)
+        if found.refused or not doubtful:
+            return found
+    why = "whether motion stops for the change of the zero next to it depends on the way that the program took"
+    found.refused += [NotLegal(FEATURES["output_moving"], why, span) for span in doubtful]
+    return found
+
+
+def _legalized(job: Job, target: Target, options: Options, opened: Opened) -> Legal:
     legalizer = _Legalizer(job, target, options, opened)
     found = legalizer.run()
     for _ in range(MOST_ROUNDS):
         more = legalizer.to_open()
-        if not more.routines | more.loops and more.choices == opened.choices:
+        if not more.routines | more.loops and more.choices <= opened.choices:
             break
         opened = Opened(opened.routines | more.routines, opened.loops | more.loops, more.choices or opened.choices)
         legalizer = _Legalizer(job, target, options, opened)

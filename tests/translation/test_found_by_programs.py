@@ -219,19 +219,26 @@ LINES = {
         ["M4", "M0", "S6000 M3"],
         [],
     ),
-    "M7 after M8 and a stop leaves flood as it is; M9 is both outputs (Eding 3.5.5; CNC.MAC)": (
+    "M7 after M8 and a stop leaves flood as it is; M9 is both outputs (Eding 3.5.4; CNC.MAC)": (
         "eding",
         "wincnc",
         "G0 X0 Y0 Z0\nM8\nG0 X1\nM0\nG0 X2\nM7\nG0 X3\nM9\nG0 X4\nM30\n",
         ["M8", "G4", "M7", "M9"],
         [],
     ),
-    "coolant on a way that is not taken is not there to be switched off (Eding 3.5.1)": (
+    "M30 switches the coolant off, also where it is on on one way alone (Eding 3.5.1)": (
         "eding",
         "mcuwin",
         "G0 X0 Y0 Z0\n#1 = 3\nsub p\nif [#1 > 5]\nM8\nendif\nG0 X1\nendsub\ngosub p\nM30\n",
-        ["X1", "M30"],
-        ["M08", "M09"],
+        ["M98 L1000", "M09", "M30"],
+        [],
+    ),
+    "and after a stop, at which the operator may have switched it on (Eding 3.5.1)": (
+        "eding",
+        "mcuwin",
+        "G0 X0 Y0 Z0\nM8\nG0 X1\nM9\nM56 P2\nif [#5399 == 1]\nM8\nendif\nM0\nG0 X2\nM30\n",
+        ["M00", "M09", "M30"],
+        [],
     ),
     "each relative place makes up for what the one before has left out": (
         "eding",
@@ -276,6 +283,42 @@ LINES = {
         ["M98 10.TAP", "M98 10.TAP"],
         [],
     ),
+    "a choice whose ways all end with a feed, then a work offset: the output is at rest (McuWIN 3.19; M65)": (
+        "mcuwin",
+        "linuxcnc",
+        "CD601 := 0\nG00 X0 Y0 Z0\nG01 X1\n$if (CD601 > 1) then begin\nG00 X2\nG01 X3\n$end;\n"
+        "M27 107\nG57\nG00 X3\nM30\n",
+        ["M65 P7", "G57"],
+        [],
+    ),
+    "a choice one of whose ways ends with a rapid, then a work offset: its way is known (McuWIN 3.19; M65)": (
+        "mcuwin",
+        "linuxcnc",
+        "CD601 := 0\nG00 X0 Y0 Z0\nG01 X1\n$if (CD601 > 1) then begin\nG00 X3\n$end;\nM27 107\nG57\nG00 X3\nM30\n",
+        ["M65 P7", "G57"],
+        [],
+    ),
+    "a choice that is decided on the way (McuWIN 3.26; M12)": (
+        "mcuwin",
+        "wincnc",
+        "CD601 := 0\nG00 X0 Y0 Z0\n$if (CD601 < 1) then begin\nG01 X1\n$end;\nM27 107\nG91\nG92 X5\nG90\nG01 X1\nM30\n",
+        ["M12 C7", "G92.2 X5"],
+        [],
+    ),
+    "a reflection is no change of the zero: an output before it goes on flying (McuWIN 3.9; M62)": (
+        "mcuwin",
+        "linuxcnc",
+        "G00 X0 Y0 Z0\nG01 X1\nM26 106\nG21\nG91\nG01 X1 Y1\nG24\nG90\nG00 X0\nM30\n",
+        ["M62 P6"],
+        [],
+    ),
+    "a work offset in a subprogram leaves G92 as it is, which McuWIN's takes off (Eding 3.4.23; McuWIN 3.19)": (
+        "eding",
+        "mcuwin",
+        "sub p\nG0 X1\nG55\nG0 X2\nendsub\nG0 X0 Y0 Z0\nG92 X5\ngosub p\nM30\n",
+        ["G92 X-5", "G55", "G92 X-5"],
+        [],
+    ),
 }
 """By what it is about: from, to, the program after its first lines, lines in their order, lines that are not there."""
 
@@ -297,6 +340,24 @@ def test_lines(about: str, tmp_path: Path) -> None:
 
 
 REFUSED = {
+    "an output before a work offset, which stops motion on the way alone that ends with a feed (McuWIN 3.19)": (
+        "mcuwin",
+        "eding",
+        "G00 X0 Y0 Z0\nG01 X1\n$if (X.digib.1) then begin\nG00 X3\n$end;\nM27 107\nG57\nG00 X3\nM30\n",
+        "output without stopping motion",
+    ),
+    "the same on a controller that has both": (
+        "mcuwin",
+        "wincnc",
+        "G00 X0 Y0 Z0\nG01 X1\n$if (X.digib.1) then begin\nG00 X3\n$end;\nM27 107\nG91\nG92 X5\nG90\nG00 X3\nM30\n",
+        "output without stopping motion",
+    ),
+    "a work offset after a G92 on one way alone: McuWIN's work offset takes it off (3.26)": (
+        "eding",
+        "mcuwin",
+        "G0 X0 Y0 Z0\nM56 P2\nif [#5399 == 1]\nG92 X5\nendif\nG55\nG0 X1\nM30\n",
+        "work offset selected while a local offset",
+    ),
     "a zero that is kept while X alone gets another one: G92.3 clears all": (
         "mcuwin",
         "wincnc",

@@ -23,7 +23,7 @@ from gproof.verify.translation.ends import compare_ends
 from gproof.verify.translation.events import Devices, Event, same
 from gproof.verify.translation.paths import Alignment, aligned, bounds_of
 from gproof.verify.translation.sides import BLURRED, Shared, Side, is_own
-from gproof.verify.translation.stretches import Stretch, agree_on_stops, is_joint, stretch_from
+from gproof.verify.translation.stretches import Stretch, agree_on_ends, agree_on_stops, is_joint, stretch_from
 
 KINDS = {
     k.KIND: "kind", k.PLACE: "place", k.FORM: "place", k.CENTER: "center", k.SENSE: "sense", k.PLANE: "plane",
@@ -119,6 +119,7 @@ class _Walk:
         self.result.sections += 1
         one, other = self._stretches(pair)
         agree_on_stops(one, other)
+        agree_on_ends(one, other)
         for which, stretch in enumerate((one, other)):
             self.counted[which].update(stretch.sections)
             stretch.before = self.came_from[which].get(stretch.sections[0])

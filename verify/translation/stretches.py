@@ -77,6 +77,12 @@ class Stretch:
         return self.side.trace.texts[int(texts[-1])] if len(texts) else ""
 
     @property
+    def ends_at_rest(self) -> bool:
+        """Whether it ends the program by a code that switches spindle and coolant off."""
+        rows = self.side.trace.sections[self.sections[-1]].rows
+        return bool(((rows["op"] == Op.END) & (rows["arg"][:, 1] == 1.0)).any())
+
+    @property
     def last_place(self) -> Place | None:
         """File and line of what ends it, as far as known."""
         edge = self.edges[0] if self.edges else None
@@ -119,6 +125,31 @@ def agree_on_stops(one: Stretch, other: Stretch) -> None:
         one.events.pop()
     elif stops == [False, True] and _waits_for_operator(one):
         other.events.pop()
+
+
+def agree_on_ends(one: Stretch, other: Stretch) -> None:
+    """Spindle and coolant off right before the end of one program, where the code for the end of the other one switches
+    them off anyway: the Trace of that one has no command for what is off there already, as far as it knows."""
+    for stretch, by_end in ((one, other), (other, one)):
+        if not by_end.ends_at_rest:
+            continue
+        own = {event.kind for event in _last_offs(by_end)}
+        for event in _last_offs(stretch):
+            if event.kind not in own:
+                stretch.events.remove(event)
+
+
+def _last_offs(found: Stretch) -> list[Event]:
+    """Commands at the end of a program that switch spindle or coolant off."""
+    offs: list[Event] = []
+    if len(found.edges) != 1 or found.edges[0].wait is not Wait.END:
+        return offs
+    for event in reversed(found.events):
+        is_off = event.kind in {"spindle", "coolant"} and not any(event.values)
+        if not is_off or event.at != len(found.moves.op):
+            break
+        offs.append(event)
+    return offs
 
 
 def _final_stop(found: Stretch) -> bool:

@@ -441,7 +441,7 @@ def _stop(run: Run, line: Line) -> None:
         if s.mist or s.flood:
             s.mist = s.flood = False
             run.event(Op.COOLANT, line.span)
-    run.event(Op.END, line.span)
+    run.event(Op.END, line.span, arg=(0.0, float(rule.function is F.END_RESET)))
     run.ended_by = rule.text, line.span.line
     run.end_section(Wait.END, "end", -1, line.span)
     raise ProgramEnd

@@ -94,11 +94,8 @@ def change_at_rest(node: Node, feature: str, context: Context) -> list[Node] | N
 
 
 def rest_before_end(node: Node, feature: str, context: Context) -> list[Node] | None:
-    """An end that stops spindle and coolant: both off, then the end. On a way on which the job has started none, there
-    is nothing to be switched off."""
+    """An end that stops spindle and coolant: both off, as far as the job may have switched them, then the end."""
     if not isinstance(node, EndJob):
-        return None
-    if ("spindle" in context.uneven and context.spindle != "off") or ("coolant" in context.uneven and context.coolant):
         return None
     found = _spindle_off(node.span, context)
     if context.coolant and "coolant" in context.switched:

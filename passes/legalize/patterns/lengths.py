@@ -63,10 +63,13 @@ def zero_with_length(node: Node, feature: str, context: Context) -> list[Node] |
     if context.length is None or not context.length_known:
         context.why = "which tool length is in force is not known"
         return None
+    # Not the operation itself: a subprogram that is opened twice has it twice.
     if isinstance(node, ChangeTool):
-        context.as_is.append((node, False))
-        return [node, UseLength(on=True, span=node.span)]
+        changed = replace(node)
+        context.as_is.append((changed, False))
+        return [changed, UseLength(on=True, span=node.span)]
     assert isinstance(node, SetFrame)
+    node = context.copied(node)
     context.as_is.append((node, False))
     by = context.length
     if node.action == "zero_recall":

@@ -201,6 +201,8 @@ def _event(run: Run, op: Op, arg: list[float], text: int, outputs: SpindleOutput
         run.events.append(("input", (arg[0] - by, arg[1]), here))
     elif op is Op.STOP:
         run.events.append(("stop", (arg[0],), here))
+    elif op is Op.END and arg[1]:
+        run.state["ended"] = (1.0,)
 
 
 def _switch(run: Run, name: str, values: tuple[float, ...], here: int) -> None:
@@ -249,6 +251,16 @@ def _device(run: Run, outputs: SpindleOutputs, spindle: bool, here: int, *, is_o
 
 def difference(one: Run, other: Run, tolerance: float, chord: float) -> tuple[str, float]:
     """(what is not the same, "" for nothing, the largest distance that was seen, mm)."""
+    if any("ended" in run.state for run in (one, other)):
+        # The code for the end of one of them switches both off; the other one may do it right before.
+        for run in (one, other):
+            on = [name for name in ("spindle", "coolant") if run.state.get(name, (0.0,))[0]]
+            if on and "ended" not in run.state:
+                return f"{on[0]} on at the end of one alone", 0.0
+            while run.events and run.events[-1][0] in ("spindle", "coolant") and run.events[-1][2] == len(run.parts):
+                if any(run.events[-1][1]):
+                    break
+                run.events.pop()
     kinds = [[event[:2] for event in run.events] for run in (one, other)]
     for place, (a, b) in enumerate(zip(*kinds, strict=False)):
         close = len(a[1]) == len(b[1]) and all(

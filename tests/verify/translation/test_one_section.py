@@ -121,3 +121,27 @@ def test_an_arc_as_chords(shop: Shop) -> None:
     assert shop.compared(JOB, JOB.replace(old, arc(7)), CHORDS).verdict is Verdict.UNSAFE
     assert shop.compared(JOB.replace(old, arc(8)), JOB, CHORDS).verdict is Verdict.SAFE
     assert shop.compared(JOB, JOB.replace(old, arc(8))).verdict is Verdict.UNSAFE
+
+
+@pytest.mark.parametrize(
+    "end, other, is_proven",
+    [
+        ("M30\n", "M5\nM9\nM30\n", True),
+        ("M5\nM30\n", "M9\nM30\n", True),
+        ("M30\n", "M5\nM9\nM2\n", True),
+        ("M2\n", "M9\nM2\n", False),
+        ("M2\n", "M5\nM2\n", False),
+        ("G0 X9\nM30\n", "M9\nG0 X9\nM30\n", False),
+        ("M30\n", "M8\nM30\n", False),
+        ("M30\n", "M8\nM2\n", False),
+        ("M30\n", "M54 P1\nM9\nM30\n", False),
+        ("M8\nM30\n", "M8\nM9\nM2\n", True),
+        ("M8\nM30\n", "M8\nM2\n", False),
+        ("M3\nM30\n", "M3\nM2\n", False),
+    ],
+)
+def test_an_end_that_switches_spindle_and_coolant_off(shop: Shop, end: str, other: str, is_proven: bool) -> None:
+    """M30 of Eding CNC does, M2 does not (3.5.1); at the stop before, the operator may have switched them on."""
+    head = "G21 G90 G17\nS100\nG0 X1\nM0\nG0 X5\n"
+    answer = shop.compared(head + end, head + other)
+    assert (answer.verdict is Verdict.SAFE) == is_proven, answer
