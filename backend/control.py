@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -16,8 +15,8 @@ class Control:
     """
 
     def __init__(self) -> None:
-        self._hold = threading.Event()
-        self._stop = threading.Event()
+        # Plain flags: a lock, even that of an Event, would hang a signal that comes while another one is handled.
+        self._hold = self._stop = False
         self._asking = False
         self._closing = False
         self.began = False
@@ -26,11 +25,11 @@ class Control:
 
     def hold(self) -> None:
         """Request a feed hold."""
-        self._hold.set()
+        self._hold = True
 
     def stop(self) -> None:
         """Request an emergency stop."""
-        self._stop.set()
+        self._stop = True
 
     def interrupt(self) -> None:
         """For signal handlers: a feed hold the first time, then an emergency stop.
@@ -42,7 +41,7 @@ class Control:
         before, self.signalled = self.signalled, True
         if self._asking:
             raise KeyboardInterrupt
-        if self._hold.is_set() and (before or not self.ending):
+        if self._hold and (before or not self.ending):
             self.stop()
         self.hold()
 
@@ -71,16 +70,16 @@ class Control:
     @property
     def hold_asked(self) -> bool:
         """A feed hold was requested and has not been answered."""
-        return self._hold.is_set()
+        return self._hold
 
     @property
     def stop_asked(self) -> bool:
         """An emergency stop was requested."""
-        return self._stop.is_set()
+        return self._stop
 
     def answered(self) -> None:
         """The feed hold has been dealt with."""
-        self._hold.clear()
+        self._hold = False
 
     def ask(self, question: Callable[[], T]) -> T | None:
         """The operator's answer, or None when an interrupt came first, or nobody can be asked: a closed terminal."""

@@ -87,3 +87,24 @@ def test_another_thread_hears_nothing_and_changes_nothing() -> None:
     thread.start()
     thread.join()
     assert seen == before
+
+
+def test_signals_while_a_signal_is_handled_hang_nothing() -> None:
+    """Handlers interrupt one another: what they ask with must hold no lock."""
+    control = Control()
+    control.running()
+    over = threading.Event()
+
+    def storm() -> None:
+        while not over.is_set():
+            os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=storm, daemon=True)
+    with interrupts(control):
+        thread.start()
+        until = time.monotonic() + 0.3
+        while time.monotonic() < until:
+            control.answered()
+        over.set()
+        thread.join()
+        assert control.signalled

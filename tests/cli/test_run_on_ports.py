@@ -5,14 +5,19 @@ from __future__ import annotations
 import json
 import os
 import pty
+import random
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cli.packages import Shop
+from support.campaigns import seeds, share
 from support.command import Done
 from support.each import each
 
@@ -194,6 +199,177 @@ def test_a_port_that_another_program_uses(shop: Shop, port: str) -> None:
         refused(on(shop, port), "another program uses it")
     finally:
         os.close(handle)
+
+
+LONG = "G21 G90\nG1 F600 X60\nG1 X0\nM30\n"
+"""Twelve seconds."""
+
+START = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from gproof.cli.main import main; sys.exit(main())"
+)
+"""As from a shell: what runs in the background is born deaf to Ctrl-C."""
+
+
+@pytest.fixture(scope="module")
+def long(shop: Shop) -> Shop:
+    (shop.folder / "long.cnc").write_text(LONG)
+    made = shop("compile", "long.cnc", "--machine", "machine.toml", "--setup", "zero", "-o", "long.gpx")
+    assert made.exit == 0, made
+    return shop
+
+
+@contextmanager
+def running(shop: Shop, name: str, *words: str) -> Iterator[subprocess.Popen[str]]:
+    """A run in a process of its own, without a terminal: whom it asks gives no answer."""
+    runs = shop.folder / f"runs-{name}"
+    process = subprocess.Popen(
+        [sys.executable, "-c", START, "run", "long.gpx", *words, "--runs", str(runs), "--progress", "jsonl"],
+        cwd=shop.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def until(process: subprocess.Popen[str], kind: str, moved: int = 0) -> dict[str, Any]:
+    """Read its progress up to a line of a kind, with so many steps made."""
+    assert process.stderr is not None
+    for line in process.stderr:
+        told: dict[str, Any] = json.loads(line) if line.startswith("{") else {}
+        if told.get("kind") == kind and (kind != "at" or told["steps"]["X"] >= moved):
+            return told
+    raise AssertionError(f"it ended before {kind}")
+
+
+def record_of(shop: Shop, name: str) -> dict[str, Any]:
+    (path,) = (shop.folder / f"runs-{name}").glob("*.record.json")
+    told: dict[str, Any] = json.loads(path.read_text())
+    return told
+
+
+SIGNALS = {
+    # name, signal, what the run is doing, what the record says
+    "hold": ([signal.SIGINT], "at", "stopped"),
+    "stop": ([signal.SIGINT, signal.SIGINT], "at", "emergency-stop"),
+    "term": ([signal.SIGTERM], "at", "emergency-stop"),
+    "opening": ([signal.SIGINT], "start", "stopped"),
+}
+
+
+@pytest.mark.parametrize("name", share(list(SIGNALS), 2))
+def test_a_signal_ends_it_at_rest_with_a_record(name: str, long: Shop) -> None:
+    """On the emulator, whose process does not hear the terminal's Ctrl-C and is gone with the run."""
+    signals, moment, result = SIGNALS[name]
+    with running(long, name, "--board", "emulator") as process:
+        until(process, moment, 100)
+        while moment == "start" and not _emulators_of(process.pid):
+            time.sleep(0.02)
+        for number in signals:
+            process.send_signal(number)
+            time.sleep(0.05)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 130, (out, err)
+    told = record_of(long, name)
+    assert told["result"] == result, told
+    assert told["position"] is not None and told["position"][0] == told["steps"][0] < 6000
+    if moment == "start":
+        assert told["steps"] == [0, 0] and told["sections"] == []
+    assert "long.gpx: " in out and f'"result":"{result}"' in err
+    assert _emulators_of(process.pid) == []
+
+
+@pytest.mark.parametrize("seed", seeds(1, 40))
+def test_signals_at_any_moment(seed: int, long: Shop) -> None:
+    """It ends at rest: with a record that knows the position, or before anything was opened and without one."""
+    rng = random.Random(seed)
+    numbers = [rng.choice([signal.SIGINT, signal.SIGINT, signal.SIGTERM]) for _ in range(rng.randint(1, 3))]
+    name = f"any-{seed}"
+    with running(long, name, "--board", "emulator") as process:
+        time.sleep(rng.uniform(0.1, 5.0))
+        for number in numbers:
+            process.send_signal(number)
+            time.sleep(rng.choice([0.0, 0.01, 0.3]))
+        out, err = process.communicate(timeout=60)
+    what = (seed, numbers, out, err)
+    assert "Traceback" not in err and "internal error" not in err, what
+    assert process.returncode in (130, *(-number for number in numbers)), what
+    assert _emulators_of(process.pid) == []
+    records = list((long.folder / f"runs-{name}").glob("*.record.json"))
+    assert len(records) == ("long.gpx: " in out), what
+    if records:
+        told = json.loads(records[0].read_text())
+        assert told["result"] in ("stopped", "emergency-stop"), what
+        # It goes out 6000 steps and comes back.
+        steps = told["steps"][0]
+        assert told["position"] == [min(steps, 12_000 - steps), 0], what
+
+
+def test_a_signal_before_the_board_is_opened_moves_nothing(long: Shop) -> None:
+    with running(long, "early", "--board", "emulator") as process:
+        # Python itself takes longer to start.
+        time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode in (130, -signal.SIGINT), (out, err)
+    assert not list((long.folder / "runs-early").glob("*.record.json"))
+
+
+def test_the_emulator_dies_with_a_host_that_is_killed(long: Shop) -> None:
+    with running(long, "killed", "--board", "emulator") as process:
+        until(process, "at", 100)
+        (child,) = _emulators_of(process.pid)
+        process.kill()
+        process.wait()
+        until_gone = time.monotonic() + 10
+        while _is_there(child) and time.monotonic() < until_gone:
+            time.sleep(0.05)
+        assert not _is_there(child)
+
+
+def test_two_hosts_on_one_port(long: Shop) -> None:
+    with emulator() as port, running(long, "first", "--board", "klipper", "--port", port, *HAND) as process:
+        until(process, "at", 100)
+        # One of the same user's folder of runs, one that knows nothing of the first but the port.
+        refused(on(long, port, "--runs", str(long.folder / "runs-first")), "another run is using it")
+        refused(on(long, port, "--runs", str(long.folder / "runs-second")), f"{port}: another program uses it")
+        probed = long("boards", "probe", port)
+        assert (probed.exit, probed.err) == (3, f"gproof: error: {port}: another program uses it\n")
+        assert process.poll() is None
+        until(process, "at", 300)
+        process.send_signal(signal.SIGTERM)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 130, (out, err)
+    assert record_of(long, "first")["position"] is not None
+
+
+def test_a_port_that_vanishes_in_motion(long: Shop, tmp_path: Path) -> None:
+    (tmp_path / "faults").write_text("motion+0.3 close 60\n")
+    words = ("--faults", str(tmp_path / "faults"), "--log", str(tmp_path / "log"))
+    with emulator(*words) as port, running(long, "gone", "--board", "klipper", "--port", port, *HAND) as process:
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 1, (out, err)
+    told = record_of(long, "gone")
+    assert told["result"] == "fault" and told["position"] is None
+    from gproof.backend.boards.emulator.log_reader import read
+
+    made = len(read(tmp_path / "log").steps.tick)
+    # The board stops by itself when its promise ends: far before the 12,000 steps.
+    assert 0 < made < 3000
+    assert told["steps"][0] <= made
+
+
+def _is_there(process: int) -> bool:
+    return Path(f"/proc/{process}").exists() and "Z" not in Path(f"/proc/{process}/stat").read_text().split()[2:3]
+
+
+def _emulators_of(parent: int) -> list[int]:
+    found = subprocess.run(
+        ["ps", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True, check=False
+    )
+    return [int(line.split()[0]) for line in found.stdout.splitlines() if "boards.emulator" in line]
 
 
 def _children() -> list[str]:
