@@ -206,6 +206,7 @@ class _Walk:
         self._events: list[EventDone] = []
         self._events_noted = 0
         self._losses: list[Loss] = []
+        self._marked: tuple[tuple[int, ...], object] = (), ()
         self._started = 0
         self._all_ticks = 1
         self.observed = Observed()
@@ -321,6 +322,7 @@ class _Walk:
         run.on_tick = lambda now: self._passed(now, before, run)
         self._noted, self._events, self._events_noted, self._losses = 0, [], 0, []
         self._started += 1
+        self._mark(before, run, (0,) * len(section.start))
         try:
             run.run()
         except KeyboardInterrupt:
@@ -446,13 +448,14 @@ class _Walk:
         self._write("lost" if found is None else "found", plain(loss), sync=True)
 
     def _mark(self, before: Status, run: SectionRun, given: tuple[int, ...]) -> None:
-        """Before anything is sent: how much of the section the board has then been given."""
+        """How much of the section the board has made, and, before anything is sent, how much it has then been given."""
+        seen = run.seen or before
+        self._marked = given, (seen.steps, seen.accepted)
         if self.journal is None:
             return
-        seen = run.seen or before
         fields = {
             "place": self._started,
-            "tick": max(0, seen.tick - run.base),
+            "tick": 0 if run.seen is None else max(0, seen.tick - run.base),
             "steps": list(since(before.steps, seen.steps)),
             "accepted": list(since(before.accepted, seen.accepted)),
             "given": list(given),
@@ -477,6 +480,8 @@ class _Walk:
             new = [e for e in self._events[self._events_noted :] if e.tick <= seen.tick]
             self._events_noted += len(new)
             self._write("at", at_fields(now, before, seen, new, run.base))
+        if seen is not None and (seen.steps, seen.accepted) != self._marked[1]:
+            self._mark(before, run, self._marked[0])
         self._show(now)
         if self.on_moment is not None and time.monotonic() >= self._told + EVERY:
             self._tell(now, before, run)

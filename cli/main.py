@@ -41,6 +41,7 @@ from gproof.cli.options import (
     package_options,
 )
 from gproof.cli.signals import INTERRUPTED, PROCESS, ended_by_signals
+from gproof.cli.status_command import status
 from gproof.cli.streams import discard, standard_streams
 from gproof.cli.telling import tell_error
 from gproof.cli.translate_options import translate
@@ -342,6 +343,7 @@ def verify(
 
 
 cli.add_command(run)
+cli.add_command(status)
 cli.add_command(boards)
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.backend.boards.board import MOVES_NOTHING
+from gproof.backend.boards.board import MOVES_NOTHING, VIRTUAL
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_place
@@ -137,6 +137,7 @@ class Keeper:
         from importlib.metadata import version
 
         from gproof.backend.journal import begin
+        from gproof.backend.mark import marks_folder
 
         self.folder, self.package, self.wanted, self.replace = folder, package, record, replace
         self.key = own_key()
@@ -146,7 +147,10 @@ class Keeper:
             "record": "" if record is None else _said(record),
         }
         try:
-            self.journal: Journal = begin(folder, board, heading)
+            real = board != VIRTUAL  # A virtual board ends with its process, and in simulated time nobody waits.
+            self.journal: Journal = begin(
+                folder, board, heading, marks=marks_folder() if real else None, behind=real
+            )  # fmt: skip
         except OSError as error:
             raise self.unusable(error) from None
 
