@@ -9,6 +9,7 @@ from gproof.backend.feed import Words
 from gproof.backend.job import CertifiedJob
 from gproof.backend.manual_events import words_of_outputs
 from gproof.backend.record_data import TRUSTED
+from gproof.backend.step_rate import too_fast, too_fast_text
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.trace import Wait
@@ -55,6 +56,12 @@ def unfit(job: CertifiedJob, is_: Capabilities) -> Iterator[Finding]:
         line = int(job.trace.sections[number].rows["line"][row])
         what = f"board {is_.name} cannot switch all outputs of an axis at once, as line {line} does"
         yield codes.CERTIFICATE_MACHINE.at(where, what=what)
+    if is_.step_rate:
+        names = [motor.name for motor in job.stream.motors]
+        for part in job.stream.sections:
+            if (fast := too_fast(part, is_.step_rate, ticks)) is not None:
+                what = too_fast_text(fast, is_.step_rate, ticks, part, names)
+                yield codes.STEPS_TOO_FAST.at(where, what=f"board {is_.name}: {what}")
     words = Words.of(is_)
     for part in job.stream.sections:
         for motor, runs in zip(job.stream.motors, part.runs, strict=True):

@@ -106,6 +106,10 @@ BOARD_WIRING = code(
     841, "board-wiring", _E, "the wiring does not fit the board: {what}", "run",
     "correct this key of the machine file; gproof boards probe lists the pins of a board",
 )  # fmt: skip
+STEPS_TOO_FAST = code(
+    842, "steps-too-fast", _E, "the board would not make its steps in time: {what}", "run",
+    "program lower feeds there, lower max_velocity or steps_per_unit, or use a faster board",
+)  # fmt: skip
 CERTIFICATE_VERSION = code(
     850, "certificate-version", _U, "made by another version: {what}", "certificate",
     "compile the job again with this version",

@@ -69,6 +69,9 @@ speed = 6000
 
 [board.outputs.flood]
 pin = "!PD4"
+
+[board.outputs.mist]
+pin = "PD5"
 """
 
 PINS = {"x": ("PB0", "!PB1"), "y": ("!PB2", "PB3"), "z": ("PC0", "PC1"), "a": ("PC2", "!PC3")}
