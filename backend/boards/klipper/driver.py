@@ -48,9 +48,6 @@ LONGEST, LONGEST_REST = (1 << 31) - 1, 1 << 61
 FURTHEST = 1 << 30
 """Ticks ahead that a promise may be: 32 bits tell 2**31 from the past."""
 
-STEP_RATE = "GPROOF_STEP_RATE"
-"""The constant by which firmware says how many steps a second of all motors together it makes on their ticks."""
-
 START = 0.1
 """Seconds before tick 0 of a section for the line, beside the lead that the runtime asks for."""
 
@@ -152,7 +149,7 @@ class KlipperBoard:
             max_rest=LONGEST_REST,
             real_time=True,
             link_rate=self._baud // 10,
-            step_rate=_step_rate(dictionary.constants.get(STEP_RATE)),
+            step_rate=live.step_rate,
             event_bytes=MOST_EVENT * max(1, len(self._wiring.outputs)),
             watched=live.certified,
             identity=str(dictionary.constants.get("MCU", "")),
@@ -598,8 +595,3 @@ class KlipperBoard:
     def observed(self) -> Observed:
         """See Board; such a board measures nothing."""
         return Observed()
-
-
-def _step_rate(stated: object) -> int:
-    """Steps a second that firmware states; 0 where it states none."""
-    return stated if isinstance(stated, int) and stated > 0 else 0

@@ -45,6 +45,9 @@ ANSWERS = {
 EXTENSION, VERSION = "GPROOF_CERT", 1
 """The constant by which firmware says that it has the certification extension, and the version that is known here."""
 
+STEP_RATE = "GPROOF_STEP_RATE"
+"""The constant by which firmware says how many steps a second of all motors together it makes on their ticks."""
+
 CERTIFIED = {
     "cert_begin": ("identity",),
     "cert_section": ("number", "clock"),
@@ -91,6 +94,12 @@ class Session:
     def now(self) -> float:
         """Host seconds."""
         return self.link.line.now()
+
+    @property
+    def step_rate(self) -> int:
+        """Steps a second that the firmware states; 0 where it states none."""
+        stated = self.link.dictionary.constants.get(STEP_RATE)
+        return stated if isinstance(stated, int) and stated > 0 else 0
 
     def reach(self) -> None:
         """Get in step, read the dictionary, leave a shutdown, read the clock; BoardError."""
