@@ -242,7 +242,7 @@ class Text:
 
     def has_moved(self, n: int) -> bool:
         """Whether the program has moved before a line, besides the subprograms that may come first in the file."""
-        begin = max((k for k, raw in enumerate(self.raw[:n]) if raw.strip().lower() == "endsub"), default=0)
+        begin = max((k for k, raw in enumerate(self.raw[:n]) if raw.strip().lower().endswith("endsub")), default=0)
         return any(line.kind in ("move", "cycle") for line in self.lines[begin:n])
 
 
