@@ -48,7 +48,7 @@ from gproof.ir.job import (
     bodies,
     walk,
 )
-from gproof.ir.record import field, record
+from gproof.ir.record import record
 
 _RESTS = (DwellFor, PauseJob, ChangeTool, SwitchCoolant, WaitFor, HomeAxes, EndJob)
 _QUIET = (Remark, SetFeed, SetVariable, ShowText)
@@ -73,30 +73,18 @@ def zero_changes(job: Job) -> frozenset[Span]:
 def at_rest(job: Job, *, before: bool, zeros: Zeros) -> Job:
     """The job with such outputs. before: also where the axes rest before the output and move after it, which the target
     does all the same where an operation stops motion, but not where ``zeros`` alone does."""
-    return _planned(job, _Plan(zeros, before, job.routines))
-
-
-def at_rest_now(job: Job, zeros: frozenset[Span]) -> tuple[Job, list[Span]]:
-    """The same of a job that is legal, where more is certain: loops are unrolled, and choices decided; and the outputs
-    for which motion stops or not by the way that the program took."""
-    plan = _Plan(zeros, False, job.routines)
-    return _planned(job, plan), plan.doubtful
-
-
-def _planned(job: Job, plan: _Plan) -> Job:
+    plan = _Plan(zeros, before, job.routines)
     routines = {name: replace(one, body=plan.list(one.body)) for name, one in job.routines.items()}
     return Job(source=job.source, files=job.files, body=plan.list(job.body, whole=True), routines=routines)
 
 
 @record(frozen=True, slots=True)
 class _Plan:
-    """zeros, before: see ``at_rest``; routines: of the job; doubtful: places of outputs that motion stops for on some
-    ways alone."""
+    """zeros, before: see ``at_rest``; routines: of the job."""
 
     zeros: Zeros
     before: bool
     routines: dict[str, Routine]
-    doubtful: list[Span] = field(default_factory=list)
 
     def list(self, nodes: Nodes, *, whole: bool = False) -> Nodes:
         """A list of operations; whole: the axes rest at its start and its end."""
@@ -109,7 +97,6 @@ class _Plan:
                 node = found[place]
                 if isinstance(node, SwitchOutput) and node.moving:
                     found[place] = replace(node, moving=False) if rests else node
-                    self.doubtful.extend([node.span] if rests is None else [])
                 elif not isinstance(node, _QUIET) and not _is_speed(node):
                     changes = isinstance(node, SetFrame) and node.span in zeros
                     rests = (wanted and _stops(node)) or (changes and fed[place])

@@ -51,7 +51,7 @@ from gproof.ir.job_features import expressions, features, parts_of_expression, r
 from gproof.ir.program import Binary, Number, Unary
 from gproof.ir.record import field, record
 from gproof.ir.target import FEATURES, RANK, Target
-from gproof.passes.legalize.at_rest import at_rest, at_rest_now, zero_changes
+from gproof.passes.legalize.at_rest import at_rest, zero_changes
 from gproof.passes.legalize.context import Context, TooLong
 from gproof.passes.legalize.feeds import goes_on
 from gproof.passes.legalize.kept import count_kept
@@ -108,26 +108,16 @@ def legalize(job: Job, target: Target, options: Options) -> Legal:
         before = "output_moving" not in target.legal
         zeros = zero_changes(job) if options.zeros_end_contours else None
         job = at_rest(job, before=before, zeros=zeros)
-        if zeros is not None and "output" in target.legal:
-            return _with_outputs(job, target, options, zeros)
-    return _legalized(job, target, options, Opened())
+        found = _legalized(job, target, options)
+        # More is certain of what is unrolled, and of choices that are decided.
+        if not found.refused and zeros is not None and "output" in target.legal:
+            found.job = at_rest(found.job, before=False, zeros=zeros)
+        return found
+    return _legalized(job, target, options)
 
 
-def _with_outputs(job: Job, target: Target, options: Options, zeros: frozenset[Span]) -> Legal:
-    """Outputs for which motion stops or not by the way that a choice took need to know that way."""
-    doubtful: list[Span] = []
-    for choices in (False, True):
-        found = _legalized(job, target, options, Opened(choices=choices))
-        if not found.refused:
-            found.job, doubtful = at_rest_now(found.job, zeros)
-        if found.refused or not doubtful:
-            return found
-    why = "whether motion stops for the change of the zero next to it depends on the way that the program took"
-    found.refused += [NotLegal(FEATURES["output_moving"], why, span) for span in doubtful]
-    return found
-
-
-def _legalized(job: Job, target: Target, options: Options, opened: Opened) -> Legal:
+def _legalized(job: Job, target: Target, options: Options) -> Legal:
+    opened = Opened()
     legalizer = _Legalizer(job, target, options, opened)
     found = legalizer.run()
     for _ in range(MOST_ROUNDS):

@@ -291,11 +291,11 @@ LINES = {
         ["M65 P7", "G57"],
         [],
     ),
-    "a choice one of whose ways ends with a rapid, then a work offset: its way is known (McuWIN 3.19; M65)": (
+    "an output that motion stops for on one way alone, for the zero next to it (McuWIN 3.26; M14)": (
         "mcuwin",
-        "linuxcnc",
-        "CD601 := 0\nG00 X0 Y0 Z0\nG01 X1\n$if (CD601 > 1) then begin\nG00 X3\n$end;\nM27 107\nG57\nG00 X3\nM30\n",
-        ["M65 P7", "G57"],
+        "wincnc",
+        "G00 X0 Y0 Z0\nG01 X1\n$if (X.digib.1) then begin\nG00 X3\n$end;\nM27 107\nG91\nG92 X5\nG90\nG00 X3\nM30\n",
+        ["M14 C7", "G92.2 X5"],
         [],
     ),
     "a choice that is decided on the way (McuWIN 3.26; M12)": (
@@ -344,12 +344,6 @@ REFUSED = {
         "mcuwin",
         "eding",
         "G00 X0 Y0 Z0\nG01 X1\n$if (X.digib.1) then begin\nG00 X3\n$end;\nM27 107\nG57\nG00 X3\nM30\n",
-        "output without stopping motion",
-    ),
-    "the same on a controller that has both": (
-        "mcuwin",
-        "wincnc",
-        "G00 X0 Y0 Z0\nG01 X1\n$if (X.digib.1) then begin\nG00 X3\n$end;\nM27 107\nG91\nG92 X5\nG90\nG00 X3\nM30\n",
         "output without stopping motion",
     ),
     "a work offset after a G92 on one way alone: McuWIN's work offset takes it off (3.26)": (
