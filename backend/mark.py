@@ -35,11 +35,13 @@ BOOT = Path("/proc/sys/kernel/random/boot_id")
 class Given:
     """What a mark says.
 
-    place: sections that were started, the last of which is the one meant; tick: of it, when it was written; steps,
-    accepted: acknowledged by then, by motor; given: steps that the board has then been sent at most, by motor.
+    place: sections that were started, the last of which is the one meant; begun: the board has taken its start; tick:
+    of it, when it was written; steps, accepted: acknowledged by then, by motor; given: steps that the board has then
+    been sent at most, by motor.
     """
 
     place: int
+    begun: bool
     tick: int
     steps: tuple[int, ...]
     accepted: tuple[int, ...]
@@ -133,6 +135,7 @@ def _parsed(data: bytes, name: str) -> tuple[int, Given] | None:
             return None
         return int_of(fields["number"]), Given(
             place=int_of(fields["place"]),
+            begun=fields["begun"] is True,
             tick=int_of(fields["tick"]),
             steps=ints_of(fields["steps"]),
             accepted=ints_of(fields["accepted"]),

@@ -46,11 +46,8 @@ class Bounds:
         return self.least == self.most and not self.contradiction
 
 
-def bounds_of(trail: Trail, mark: Given | None, whole: Sequence[int] | None, *, marked: bool) -> Bounds:
-    """Of the section that is open in a journal. whole: its steps in the stream, by motor, where that is at hand;
-
-    marked: the journal says that it has a mark, so that one that is not there is lost.
-    """
+def bounds_of(trail: Trail, mark: Given | None, whole: Sequence[int] | None) -> Bounds:
+    """Of the section that is open in a journal. whole: its steps in the stream, by motor, where that is at hand."""
     section = trail.open_section
     assert section is not None
     least, most, source = section.steps, tuple(whole) if whole is not None else None, Source.JOURNAL
@@ -127,6 +124,6 @@ def merged(
         for motor, made in enumerate(told.executed):
             sums = derived(asked, section, record, motor)
             proved &= sums is not None and sums.steps == made.steps and made.crc in sums.crcs
-    if told.moving:
+    if told.moving and counts != before.most:
         return Bounds(least=counts, most=before.most, source=before.source)
     return Bounds(least=counts, most=counts, source=Source.BOARD, proved=proved)

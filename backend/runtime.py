@@ -322,7 +322,7 @@ class _Walk:
         run.on_tick = lambda now: self._passed(now, before, run)
         self._noted, self._events, self._events_noted, self._losses = 0, [], 0, []
         self._started += 1
-        self._mark(before, run, (0,) * len(section.start))
+        self._mark(before, run, (0,) * len(section.start), begun=False)
         try:
             run.run()
         except KeyboardInterrupt:
@@ -447,7 +447,7 @@ class _Walk:
         self._losses.append(loss)
         self._write("lost" if found is None else "found", plain(loss), sync=True)
 
-    def _mark(self, before: Status, run: SectionRun, given: tuple[int, ...]) -> None:
+    def _mark(self, before: Status, run: SectionRun, given: tuple[int, ...], *, begun: bool = True) -> None:
         """How much of the section the board has made, and, before anything is sent, how much it has then been given."""
         seen = run.seen or before
         self._marked = given, (seen.steps, seen.accepted)
@@ -455,6 +455,7 @@ class _Walk:
             return
         fields = {
             "place": self._started,
+            "begun": begun,
             "tick": 0 if run.seen is None else max(0, seen.tick - run.base),
             "steps": list(since(before.steps, seen.steps)),
             "accepted": list(since(before.accepted, seen.accepted)),

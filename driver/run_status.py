@@ -133,11 +133,12 @@ def status_of(path: Path, package: Path | None, ask: Ask | None = None) -> RunSt
         planned = None if job is None else job.stream.sections[section.number]
         whole = None if planned is None else [int(runs["count"].sum()) for runs in planned.runs]
         mark = found.given()
-        bounds = bounds_of(trail, mark, whole, marked=bool(found.field("mark")))
+        bounds = bounds_of(trail, mark, whole)
         if mark is None and found.field("mark"):
             notes.append("the mark of the run is gone: all of its last section may have been sent")
         if ask is not None and state != RUNNING:
-            begun = any(section.accepted) or any(bounds.least) or (mark is not None and any(mark.accepted))
+            here = mark is not None and mark.place == trail.started and mark.begun
+            begun = here or any(section.accepted) or any(section.steps)
             bounds, told = _asked(ask, bounds, section, planned, (job, record), begun=begun)
         if state != DAMAGED and planned is not None:
             position = _position(planned, bounds)
@@ -206,7 +207,7 @@ def _asked(
     found = merged(bounds, told, section, as_sent, record, begun=begun)
     if found.contradiction:
         return found, found.contradiction
-    if told.moving:
+    if told.moving and not found.exact:
         return found, "it is still in the section: ask again when it has stopped"
     if not begun:
         return found, "it may mean an earlier run of the same section: this one acknowledged nothing"

@@ -31,7 +31,7 @@ from gproof.backend.boards.klipper.ledger import MotorLedger
 from gproof.backend.boards.klipper.lines import Line, LineLost
 from gproof.backend.boards.klipper.outbox import FROM_BASE, REBASE, Outbox
 from gproof.backend.boards.klipper.session import Session
-from gproof.backend.boards.klipper.wire_size import run_bytes
+from gproof.backend.boards.klipper.wire_size import LONGEST, MOST_ADD, MOST_COUNT, holds, run_bytes
 from gproof.backend.boards.klipper.wiring import Wiring
 from gproof.backend.runs import Ints, table
 from gproof.ir.columns import Columns
@@ -41,9 +41,8 @@ KLIPPER = "klipper"
 LATE = ("Timer too close", "too far in past", "in the past", "Promise expired")
 """Texts of shutdowns that mean that something came too late."""
 
-MOST_COUNT, MOST_ADD = (1 << 16) - 1, (1 << 15) - 1
-LONGEST, LONGEST_REST = (1 << 31) - 1, 1 << 61
-"""Numbers that ``queue_step`` holds; a rest of any length is a new clock base."""
+LONGEST_REST = 1 << 61
+"""A rest of any length is a new clock base."""
 
 FURTHEST = 1 << 30
 """Ticks ahead that a promise may be: 32 bits tell 2**31 from the past."""
@@ -242,8 +241,16 @@ class KlipperBoard:
         self._executed = ()
         self._horizon, self._end, self._renew_at = self._base, None, None
         self._state = BoardState.RUNNING
+        self._settled(live)
         self._round()
         return self._base
+
+    def _settled(self, live: Session) -> None:
+        """Let the board take what starts a section: from here on it counts this one."""
+        try:
+            live.link.settle()
+        except (LineLost, ClockError) as error:
+            self._lose(str(error))
 
     def queue(self, motor: int, interval: int, count: int, add: int, direction: int) -> None:
         """See Board."""
@@ -262,14 +269,7 @@ class KlipperBoard:
             return
         rows = zip(*(runs[name].tolist() for name in ("interval", "count", "add", "direction")), strict=True)
         for interval, count, add, direction in rows:
-            last = interval + add * (count - 1)
-            if not (
-                1 <= count <= MOST_COUNT
-                and abs(add) <= MOST_ADD
-                and min(interval, last) >= 1
-                and abs(direction) == 1
-                and (count == 1 or max(interval, last) <= LONGEST)
-            ):
+            if not holds(interval, count, add, direction):
                 raise BoardError(f"motor {motor}: a run ({interval}, {count}, {add}, {direction}) that no word holds")
             self._outbox.add_run(motor, interval, count, add, direction)
 

@@ -15,6 +15,16 @@ from gproof.ir.columns import Columns
 BLOCK, PAYLOAD = 64, 59
 """Bytes of a full block, and those of its messages; 5 are for length, sequence, check and end (Protocol.md)."""
 
+MOST_COUNT, MOST_ADD, LONGEST = (1 << 16) - 1, (1 << 15) - 1, (1 << 31) - 1
+"""Numbers that ``queue_step`` holds."""
+
+
+def holds(interval: int, count: int, add: int, direction: int) -> bool:
+    """Whether ``queue_step`` holds a run, one of a single step whatever its interval."""
+    last = interval + add * (count - 1)
+    fits = 1 <= count <= MOST_COUNT and abs(add) <= MOST_ADD and min(interval, last) >= 1
+    return fits and abs(direction) == 1 and (count == 1 or max(interval, last) <= LONGEST)
+
 
 def number_bytes(values: Ints) -> Ints:
     """Bytes of numbers as VLQ; a uint32 travels as the int32 with its bits."""
