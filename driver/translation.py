@@ -287,6 +287,7 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
     for finding in (*_of_meaning(session), *own.kept):
         if finding.severity in {Severity.ERROR, Severity.UNKNOWN}:
             done.findings.add(finding)
+    opened = [finding.span for finding in done.findings.kept if finding.severity is Severity.UNKNOWN]
     if session.setup.active_work is None:
         done.assumed.append("both programs start in the first work offset (G54), and without a local offset (G92)")
     if session.setup.positions:
@@ -297,7 +298,7 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
     if TARGETS[wanted.to].read is not None:
         target = _read_by_verify(done, machine, wanted)
         terms = terms_of(done, NO_OUTPUTS, session.machine, machine, wanted, style)
-        _conclude(done, compare(source, target, terms), wanted)
+        _conclude(done, compare(source, target, terms), wanted, opened)
         return
     with tempfile.TemporaryDirectory() as folder:
         printed, machine = _read_back(done, to, wanted, Path(folder), read)
@@ -313,7 +314,7 @@ def prove(done: Translation, to: MachineTo, wanted: Wanted, style: Style) -> Non
         _also(done, read, Path(folder))
         terms = terms_of(done, printed.spindle_outputs, session.machine, machine, wanted, style)
         comparison = compare(source, target, terms)
-    _conclude(done, comparison, wanted)
+    _conclude(done, comparison, wanted, opened)
 
 
 def _takes_devices(done: Translation, printed: Program) -> bool:
@@ -329,15 +330,16 @@ def _takes_devices(done: Translation, printed: Program) -> bool:
     return not done.files
 
 
-def _conclude(done: Translation, comparison: Comparison, wanted: Wanted) -> None:
-    """Keep what the comparison says."""
+def _conclude(done: Translation, comparison: Comparison, wanted: Wanted, opened: list[Span]) -> None:
+    """Keep what the comparison says. opened: places of the source after which nobody knows what it does: a difference
+    from there on says nothing of what was translated."""
     done.comparison = comparison
-    for code, divergences in (
-        (codes.TRANSLATION_DIFFERS, comparison.differences), (codes.TRANSLATION_OPEN, comparison.unknown)
-    ):  # fmt: skip
+    for is_open, divergences in ((False, comparison.differences), (True, comparison.unknown)):
         for found in divergences:
-            what = sentence(found, is_open=code is codes.TRANSLATION_OPEN)
-            done.findings.add(replace(code.at(_span(found, wanted.job), what=what), related=_printed_line(done, found)))
+            span, what = _span(found, wanted.job), sentence(found, is_open=is_open)
+            is_later = any(one.file != span.file or one.line <= span.line for one in opened)
+            code = codes.TRANSLATION_OPEN if is_open or is_later else codes.TRANSLATION_DIFFERS
+            done.findings.add(replace(code.at(span, what=what), related=_printed_line(done, found)))
     done.assumed += [one for one in comparison.assumptions if one not in done.assumed]
     if done.findings.has(Severity.ERROR):
         done.verdict = Verdict.UNSAFE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gproof.driver.targets import TARGETS
 from gproof.ir.job import ChangeTool, Job, Node, SwitchCoolant, SwitchOutput, WaitFor, walk
 from gproof.ir.job_features import expressions, parts_of_expression
 from gproof.ir.program import Input, Number
@@ -30,8 +31,9 @@ def proposed(job: Job, target: Target) -> TranslationMap:
             for part in parts_of_expression(expr):
                 if isinstance(part, Input) and part.kind in {"input", "output"} and isinstance(part.number, Number):
                     (inputs if part.kind == "input" else outputs).add(round(part.number.value))
+    by_axis = job.source in TARGETS and TARGETS[job.source].target().axis_channels
     return TranslationMap(
-        outputs=_channels(outputs, target), inputs=_channels(inputs, target),
+        outputs=_channels(outputs, target, by_axis), inputs=_channels(inputs, target, by_axis),
         tools={n: n for n in sorted(tools)}, coolant=coolant,
         tool_change="stop" if tools and "tool_change" not in target.legal else "", given=True,
     )  # fmt: skip
@@ -41,10 +43,25 @@ AXIS_CHANNEL = 100
 """Channels that belong to axes are the number of the axis and two digits: 104 is the fourth of the first axis."""
 
 
-def _channels(numbers: set[int], target: Target) -> dict[int, int]:
-    """Each channel as itself, or as one of the first axis."""
-    first = AXIS_CHANNEL if target.axis_channels else 0
+def _channels(numbers: set[int], target: Target, by_axis: bool) -> dict[int, int]:
+    """Each channel as itself; to axes as one of the first axis, from axes as its number there, if no two are the same.
+
+    by_axis: those of the source belong to axes.
+    """
+    if by_axis and not target.axis_channels and len({n % AXIS_CHANNEL for n in numbers}) == len(numbers):
+        return {n: n % AXIS_CHANNEL for n in sorted(numbers)}
+    first = AXIS_CHANNEL if target.axis_channels and not by_axis else 0
     return {n: n if n > first else first + n for n in sorted(numbers)}
+
+
+def _how(found: TranslationMap) -> str:
+    """What is proposed for the numbers."""
+    channels = {**found.outputs, **found.inputs}
+    if all(old == new for old, new in channels.items()):
+        return "Each is proposed as itself"
+    if any(new > old for old, new in channels.items()):
+        return "Outputs and inputs are proposed as those of the first axis"
+    return "Outputs and inputs are proposed as their numbers within their axes"
 
 
 def _all(job: Job) -> list[Node]:
@@ -57,7 +74,7 @@ def toml_of(found: TranslationMap, source: str, target: str) -> str:
         'schema = "gproof-translation/1"',
         "",
         f"# {source} -> {target}: the number of the source = the number of the target.",
-        "# Each is proposed as itself: compare with the wiring of both machines.",
+        f"# {_how(found)}: compare with the wiring of both machines.",
     ]
     for name in ("outputs", "inputs", "tools"):
         table: dict[int, int] = getattr(found, name)

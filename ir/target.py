@@ -177,10 +177,10 @@ class Target:
     spare_offset: the work offset that zeros in machine places use, 0 for none; cycle_returns: cycles can
     end at the height before them; two_ways: a choice can have an other way, too; guards: names of those that it has;
     lacks: feature -> why a construct that nothing rewrites is refused, with the section;
-    axis_channels: the number of an
-    output is that of an axis and two digits;
+    axis_channels: the number of an output is that of an axis and two digits;
     length_numbers: programs give a tool's length as a number, because there is no tool table; one_way: directions
-    (``cw``, ``ccw``) whose command leaves on what turns the spindle the other way."""
+    (``cw``, ``ccw``) whose command leaves on what turns the spindle the other way; channels: the section that
+    says the highest number of outputs and inputs, and that number; "": any."""
 
     name: str
     title: str
@@ -203,6 +203,7 @@ class Target:
     lacks: dict[str, str] = field(default_factory=dict, repr=False)
     length_numbers: bool = False
     one_way: frozenset[str] = frozenset()
+    channels: tuple[str, int] = ("", 0)
 
     def verify(self) -> None:
         """Features are those that there are; ValueError otherwise."""

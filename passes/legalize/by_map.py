@@ -132,6 +132,11 @@ class _Mapper:
             return f"the tool table of the target's machine has no tool {number}"
         return ""
 
+    def check_channel(self, number: int) -> str:
+        """Why the target has no such output or input, "" if it may have it."""
+        section, most = self.target.channels
+        return f"{self.target.title} has numbers from 0 to {most} ({section})" if section and number > most else ""
+
     def number(self, value: Expr, table: str, what: str, check: Callable[[int], str] | None = None) -> Expr:
         """The number of the target; _Refused."""
         entries: dict[int, int] = getattr(self.given, table)
@@ -147,7 +152,7 @@ class _Mapper:
             raise _Refused(f"{what} {number}", f"the map has no entry for it: [{table}] {number} = ...")
         else:
             found = number
-        why = "" if check is None else check(found)
+        why = self.check_channel(found) if check is None else check(found)
         if why:
             raise _Refused(f"{what} {number}", why)
         if table == "tools":

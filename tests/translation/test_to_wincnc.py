@@ -33,7 +33,7 @@ def translated(
     for dialect in ("eding", "wincnc"):
         (folder / dialect).mkdir(exist_ok=True)
         for name, data in machine_files(dialect).items():
-            (folder / dialect / name).write_text(changed(data.decode(), ini if dialect == "wincnc" else ""))
+            (folder / dialect / name).write_text(changed(data.decode(), ini if name == "WINCNC.INI" else ""))
     for name, commands in (MACROS if macros is None else macros).items():
         (folder / "wincnc" / name).write_text(commands)
     job = folder / "job.cnc"
@@ -191,6 +191,15 @@ def test_an_output_that_runs_the_spindle_there_is_refused(tmp_path: Path) -> Non
     assert done.verdict is Verdict.UNKNOWN and not done.files
     assert [one.code.label for one in done.findings.kept] == ["GP703"] and "output 1" in done.findings.kept[0].message
     assert translated(tmp_path, text, given=TranslationMap(outputs={1: 5}, given=True)).verdict is Verdict.SAFE
+
+
+def test_axes_that_share_no_feed_say_it_in_each_move(tmp_path: Path) -> None:
+    """Without vgroup=XY an F next to X leaves the feed of Y as it was [vgroup=]."""
+    text = f"{MODES}G0 X0 Y0 Z5\nG1 X10 F100\nY10\nX20 Y20\nG2 X30 Y10 I0 J-10\nG1 Y0\nM30\n"
+    both = translated(tmp_path, text, "`vgroup=FXY` → `vgroup=FX`; `vgroup=XY` → `vgroup=X`")
+    assert lines_of(both)[1:] == [
+        "G1 X10 F100", "Y10 F100", "X20 Y20 F100", "G2 X30 Y10 I0 J-10 F100", "G1 Y0 F100"
+    ]  # fmt: skip
 
 
 TURNED = "S8000 M3\nG1 X1 F50\n{}M4\nG1 X2\nM5\n"

@@ -21,8 +21,13 @@ LINE, ARC, LAST = "f line", "f arc", "f last"
 
 
 def feed_groups(machine: Machine) -> tuple[int, ...]:
-    """The groups of columns that share a feed, as bits; that of X and Y first."""
+    """The groups of columns that share a feed, as bits; that of X and Y first. Empty where these two share
+    none: each move with feed says its own then."""
     controls = wincnc_settings(machine)
+    grouped = [set(group) for group in controls.feed_groups]
+    by_command = {"x", "y"} <= set(controls.command_group) and not {"x", "y"} & set().union(*grouped)
+    if not by_command and not any({"x", "y"} <= group for group in grouped):
+        return ()
     groups = [{0, 1}]
     for names in (*controls.feed_groups, controls.command_group):
         columns = {AXIS_NAMES.index(name) for name in names}
@@ -37,6 +42,8 @@ def feed_groups(machine: Machine) -> tuple[int, ...]:
 
 def needs_feed(state: State, groups: tuple[int, ...], rate: float, columns: int, *, arc: bool) -> bool:
     """Whether a move of these columns (bits) at this feed has to say it; the state is that after it."""
+    if not groups:
+        return True
     keys = [LAST, ARC] if arc else []
     if not arc:
         for group in groups:
@@ -63,6 +70,8 @@ def table_feeds(rows: Columns, state: State, groups: tuple[int, ...], start: flo
     rate = _filled(rows["feed"], start)
     arc, mask = rows["kind"] >= ARC_CW, rows["axes"].astype(np.int64)
     feed = rows["kind"] != RAPID
+    if not groups:
+        return rate, feed & ~np.isnan(rate)
     said = np.zeros(len(rows), np.bool_)
     flat = feed & ~arc & (mask & groups[0] != 0)
     for key, at in ((LAST, flat | (arc & feed)), (LINE, flat), (ARC, arc & feed)):

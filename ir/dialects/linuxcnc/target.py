@@ -63,4 +63,5 @@ TARGET = Target(
     offsets=9,
     spare_offset=9,
     tools=99999,
+    channels=("M-Codes M62-M65, M66", 63),
 )  # fmt: skip

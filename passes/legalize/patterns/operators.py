@@ -22,7 +22,9 @@ def others(node: Node, feature: str, context: Context) -> list[Node] | None:
         nonlocal lost
         if isinstance(expr, Unary | Binary) and expr.operator not in context.target.operators:
             found = _unary(expr) if isinstance(expr, Unary) else _binary(expr)
-            lost = lost or found is None
+            if found is None:
+                lost = True
+                context.why = f"its expressions have no {expr.operator} that gives the same for all numbers"
             return expr if found is None else found
         return expr
 

@@ -17,7 +17,7 @@ from gproof.ir.drives import AXIS_NAMES
 from gproof.ir.end_state import EndState, Left
 from gproof.ir.trace import UNKNOWN, Op, PathMode, State, Wait
 from gproof.verify.translation.rs274 import drilling
-from gproof.verify.translation.rs274.language import Language, Unread
+from gproof.verify.translation.rs274.language import MOST_CHANNEL, Language, Unread
 from gproof.verify.translation.rs274.moves import Manner, go, length_of
 from gproof.verify.translation.rs274.offsets import Place, Zeros, unknown
 from gproof.verify.translation.rs274.rows import Forms, Rows
@@ -493,5 +493,5 @@ class Controller:
 
 
 def _check_channel(channel: float) -> None:
-    if channel != round(channel) or channel < 0:
+    if channel != round(channel) or not 0 <= channel <= MOST_CHANNEL:
         raise Unread(f"the channel {channel:g}")

@@ -42,6 +42,10 @@ M_GROUPS: dict[str, tuple[int, ...]] = {
 M_GROUP_OF = {code: name for name, codes in M_GROUPS.items() for code in codes}
 
 
+MOST_CHANNEL = 63
+"""The highest number of an output or input of LinuxCNC (M-Codes M62-M65, M66)."""
+
+
 @record(frozen=True, slots=True, kw_only=True)
 class Language:
     """title: as people write it; g, m: codes; axes: letters; structured: it has O words, variables and expressions;
