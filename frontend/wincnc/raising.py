@@ -325,7 +325,7 @@ class WinCncRaiser(LineRaiser):
             # What the shop's macro does besides is its machine's own: it waits, or switches what belongs to it.
             switches = device_switches(node.body, self.program)
             if switches is not None:
-                return self.statements(switches)
+                return devices.together(self.statements(switches))
         is_change = name == "M6" and "T" in given
         if not is_change or not devices.changes_tool(node.body, self.program):
             return devices.inlined(self.statements(node.body), self.routines)

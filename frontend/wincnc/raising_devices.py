@@ -185,10 +185,24 @@ FEW = 3
 def inlined(nodes: list[Node], routines: dict[str, Routine]) -> list[Node]:
     """A file of a few operations in place of its call, where a line that CNC.MAC replaces calls it."""
     if len(nodes) != 1 or not isinstance(nodes[0], RunRoutine) or nodes[0].arguments:
-        return nodes
+        return together(nodes)
     body = routines[nodes[0].name].body
     plain = all(type(node) in _PLAIN for node in body)
-    return list(body) if plain and len(body) <= FEW else nodes
+    return together(body) if plain and len(body) <= FEW else nodes
+
+
+def together(body: Iterable[Node]) -> list[Node]:
+    """Mist and flood that are switched off one right after the other, as one operation."""
+    found: list[Node] = []
+    for node in body:
+        before = found[-1] if found else None
+        if isinstance(before, SwitchCoolant) and isinstance(node, SwitchCoolant) and _is_off(before) and _is_off(node):
+            mist = False if False in (before.mist, node.mist) else None
+            flood = False if False in (before.flood, node.flood) else None
+            found[-1] = SwitchCoolant(mist=mist, flood=flood, span=before.span)
+        else:
+            found.append(node)
+    return found
 
 
 _PLAIN = frozenset((DwellFor, SwitchCoolant, SwitchOutput, TurnSpindle, WaitFor))

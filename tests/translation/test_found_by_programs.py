@@ -226,6 +226,13 @@ LINES = {
         ["M8", "G4", "M7", "M9"],
         [],
     ),
+    "two outputs off in the file of M9 are one M9 (CNC.MAC; Eding 3.5.4)": (
+        "wincnc",
+        "eding",
+        "G0 X0 Y0 Z0\nM7\nG0 X1\nM8\nG0 X2\nM9\nG0 X3\n",
+        ["M7", "M8", "M9", "X3"],
+        [],
+    ),
     "M30 switches the coolant off, also where it is on on one way alone (Eding 3.5.1)": (
         "eding",
         "mcuwin",
