@@ -17,7 +17,7 @@ from gproof.cli.run_progress import AUTO, Asking, Shown, shown
 from gproof.cli.signals import INTERRUPTED, ends_with_its_command
 from gproof.cli.telling import warn
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
-from gproof.driver.boards import plugged_in, require_for, require_port, unusable_board, wiring_finding
+from gproof.driver.boards import plugged_in, require_for, require_port, unread, unusable_board, wiring_finding
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
 from gproof.driver.key_ring import trusted_with
@@ -73,6 +73,8 @@ def run_run(
     folder = runs_folder(runs)
     if not settled(folder, board, after_interruption):
         return Verdict.UNKNOWN.exit_code
+    for line in unread(board, at_hand.machine):
+        warn(line)
     control = Control()
     keeper = Keeper(folder, board, path, record, replace)
     began = time.monotonic()

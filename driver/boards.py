@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,6 +46,17 @@ def plugged_in(machine: Machine, port: str | None, baud: int | None) -> Machine:
     """The machine with its board where the command line says that it is."""
     board = machine.board
     return replace(machine, board=replace(board, port=port or board.port, baud=baud or board.baud))
+
+
+def unread(board: str, machine: Machine | None) -> Iterator[str]:
+    """What a machine file has wired that nobody reads while a job runs on a real board."""
+    if machine is None or board not in REAL:
+        return
+    limits = [motor.motor for motor in machine.board.motors if motor.limit is not None]
+    named = [f"limit switches ({', '.join(limits)})"] * bool(limits) + ["the probe"] * (machine.board.probe is not None)
+    if named:
+        what = "of the machine file: not read while a job runs; they have to act without gproof"
+        yield f"gproof: warning: {' and '.join(named)} {what}"
 
 
 def wiring_finding(error: BoardError, files: Findings, machine: Path | None) -> Finding | None:

@@ -173,7 +173,10 @@ def test_a_board_that_does_not_fit(case: str, shop: Shop) -> None:
 def test_ports_that_are_no_board(shop: Shop, port: str, tmp_path: Path) -> None:
     refused(on(shop, "/dev/not-there"), "/dev/not-there: there is no such port")
     refused(on(shop, "socket://127.0.0.1:1"), "it cannot be opened")
-    refused(on(shop, "nonsense://x"), "nonsense://x: ")
+    spy = f"spy:///dev/null?file={tmp_path / 'written'}"
+    for address in ("nonsense://x", "loop://", spy):
+        refused(on(shop, address), f"{address}: not a port; an address starts with socket:// or rfc2217://")
+    assert not (tmp_path / "written").exists()
     refused(on(shop, str(tmp_path)), str(tmp_path))
     plain = tmp_path / "plain"
     plain.write_text("no port")
@@ -188,6 +191,36 @@ def test_a_port_that_nobody_answers_at(shop: Shop) -> None:
     finally:
         os.close(master)
         os.close(slave)
+
+
+def test_switches_that_nobody_reads_are_said(shop: Shop, port: str) -> None:
+    text = MACHINE.replace("[board.motors.y]", 'limit = "^PB4"\n[board.motors.y]').replace(
+        'name = "klipper"\n', 'name = "klipper"\nprobe = "PB5"\n'
+    )
+    (shop.folder / "switches.toml").write_text(text)
+    done = shop(
+        "run", "made.gpx", "--board", "klipper", "--port", port, "--machine", "switches.toml", "--setup", "zero"
+    )
+    assert done.exit == 1 and "GP823" in done.out, "another wiring is another machine"
+    assert done.err.splitlines()[0] == (
+        "gproof: warning: limit switches (X) and the probe of the machine file: not read while a job runs; "
+        "they have to act without gproof"
+    )
+
+
+def test_a_port_without_permission(shop: Shop, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not by the file's mode: root may do everything."""
+    import errno
+
+    import serial
+
+    def denied(*_: object, **__: object) -> None:
+        raise serial.SerialException(errno.EACCES, "could not open port /dev/ttyACM0: [Errno 13] Permission denied")
+
+    monkeypatch.setattr(serial, "serial_for_url", denied)
+    refused(
+        on(shop, "/dev/ttyACM0"), "/dev/ttyACM0: no permission to open it (on Linux the user has to be in the group"
+    )
 
 
 def test_a_port_that_another_program_uses(shop: Shop, port: str) -> None:

@@ -1,7 +1,8 @@
 """Lines to a board: what the connection needs of one, and a serial port by pyserial.
 
-``socket://host:port`` and the other addresses of pyserial work too. A port that cannot be opened, vanishes or belongs
-to another program is a BoardError with one clear line.
+``socket://host:port`` and ``rfc2217://host:port`` work too; of pyserial's other addresses some write files or start
+other things, and a port can come from a machine file. A port that cannot be opened, vanishes or belongs to another
+program is a BoardError with one clear line.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from gproof.backend.boards.board import BoardError
 
 BAUD = 250_000
 """What Klipper's firmware is built with unless somebody chose otherwise."""
+
+ADDRESSES = ("socket://", "rfc2217://")
 
 _LARGEST_READ = 4096
 _WRITE_LIMIT = 2.0
@@ -49,6 +52,8 @@ class SerialLine:
         import serial
 
         self.port = port
+        if "://" in port and not port.startswith(ADDRESSES):
+            raise BoardError(f"{port}: not a port; an address starts with {' or '.join(ADDRESSES)}")
         # Only a device can be held alone; an address of pyserial takes no such request.
         alone: dict[str, Any] = {} if "://" in port else {"exclusive": True}
         try:

@@ -321,6 +321,7 @@ def test_boards_that_will_not_do_are_refused_with_one_line() -> None:
     refuses(FakePeer(), Wiring(motors=[MotorPins(step="PA0", direction="PA0")]), "also a pin of")
     refuses(changed(lambda d: d["commands"].pop("reset_step_clock oid=%c clock=%u")), PINS, "reset_step_clock")
     refuses(changed(lambda d: d["config"].pop("CLOCK_FREQ")), PINS, "CLOCK_FREQ")
+    refuses(changed(lambda d: d["config"].update(GPROOF_CERT=2)), PINS, "version 2 of the extension, and 1 is known")
     refuses(FakePeer(rate=20e6), PINS, "another rate")
     configured = FakePeer()
     opened(configured)
