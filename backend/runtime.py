@@ -288,6 +288,8 @@ class _Walk:
             self.result, self.reason = Result.REFUSED, f"section {number}: {ready}"
             return -1
         section, retimings = ready
+        if self.watch is not None:
+            self.watch.prepare(number)
         waits = self._waits(is_, section)
         if self.control.signalled and self.control.hold_asked:
             self.result, self.reason = Result.STOPPED, f"section {number} was not started: interrupted, at rest"

@@ -17,7 +17,7 @@ from gproof.ir.trace import Op, Plane, TraceSection
 
 Floats = npt.NDArray[np.float64]
 
-_IN_PLANE = {Plane.XY: (0, 1), Plane.XZ: (0, 2), Plane.YZ: (1, 2)}
+_IN_PLANE = {Plane.XY: [0, 1], Plane.XZ: [0, 2], Plane.YZ: [1, 2]}
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -48,12 +48,17 @@ class Watch:
         self._lines: dict[int, _Lines] = {}
         self._after = self._left_after()
 
-    def moment(self, section: StreamSection, now: int, part: float, made: int, steps: Sequence[int]) -> Moment:
-        """now: tick of the section as it is run; made: steps of all motors in it; steps: where the motors are."""
-        job, number = self._job, section.number
+    def prepare(self, number: int) -> None:
+        """Get ready for a section: while nothing moves, because it takes a moment for a long one."""
+        job = self._job
         if number not in self._lines:
             # Of one section at a time: a job can have thousands.
             self._lines = {number: _Lines(job.stream.sections[number], job.trace.sections[number], job.stream.motors)}
+
+    def moment(self, section: StreamSection, now: int, part: float, made: int, steps: Sequence[int]) -> Moment:
+        """now: tick of the section as it is run; made: steps of all motors in it; steps: where the motors are."""
+        job, number = self._job, section.number
+        self.prepare(number)
         row = self._lines[number].row(made)
         rows = job.trace.sections[number].rows
         file = int(rows["file"][row]) if row >= 0 else 0
@@ -136,26 +141,26 @@ def _steps_of_rows(
 
 
 def _add_arcs(way: Floats, rows: Columns, moving: npt.NDArray[np.intp], starts: Floats) -> None:
-    """What an arc goes along each axis of its plane, there and back."""
-    for at in np.flatnonzero(rows["op"][moving] == Op.ARC).tolist():
-        row = int(moving[at])
-        plane = _IN_PLANE.get(Plane(int(rows["plane"][row])))
-        if plane is None:
+    """What arcs go along each axis of their plane, there and back."""
+    arcs = rows["op"][moving] == Op.ARC
+    for plane, axes in _IN_PLANE.items():
+        at = np.flatnonzero(arcs & (rows["plane"][moving] == int(plane)))
+        if not len(at):
             continue
-        center, turns = rows["center"][row], int(rows["turns"][row])
-        here = [float(starts[at, k]) - float(center[k]) for k in plane]
-        there = [float(rows["to"][row, k]) - float(center[k]) for k in plane]
-        radius = (math.hypot(*here) + math.hypot(*there)) / 2
-        first, last = math.atan2(here[1], here[0]), math.atan2(there[1], there[0])
-        sweep = (last - first if turns > 0 else first - last) % math.tau or math.tau
-        sweep += math.tau * (abs(turns) - 1)
-        begin = first if turns > 0 else first - sweep
-        if math.isfinite(sweep) and math.isfinite(radius):
-            for axis, shift in zip(plane, (0.0, math.pi / 2), strict=True):
-                way[at, axis] = radius * (_swing(begin + shift + sweep) - _swing(begin + shift))
+        row = moving[at]
+        center, turns = rows["center"][row][:, axes], rows["turns"][row].astype(np.float64)
+        here, there = starts[at][:, axes] - center, rows["to"][row][:, axes] - center
+        radius = (np.hypot(here[:, 0], here[:, 1]) + np.hypot(there[:, 0], there[:, 1])) / 2
+        first, last = np.arctan2(here[:, 1], here[:, 0]), np.arctan2(there[:, 1], there[:, 0])
+        sweep = np.mod(np.where(turns > 0, last - first, first - last), math.tau)
+        sweep = np.where(sweep == 0, math.tau, sweep) + math.tau * (np.abs(turns) - 1)
+        begin = np.where(turns > 0, first, first - sweep)
+        for axis, shift in zip(axes, (0.0, math.pi / 2), strict=True):
+            way[at, axis] = radius * (_swing(begin + shift + sweep) - _swing(begin + shift))
 
 
-def _swing(angle: float) -> float:
+def _swing(angle: Floats) -> Floats:
     """The integral of ``|sin|`` from 0: how far a point at an angle of the unit circle has gone along X."""
-    half = math.floor(angle / math.pi)
-    return 2.0 * half + 1.0 - math.cos(angle - half * math.pi)
+    half = np.floor(angle / math.pi)
+    found: Floats = 2.0 * half + 1.0 - np.cos(angle - half * math.pi)
+    return found

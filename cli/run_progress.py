@@ -6,6 +6,7 @@ Standard output has the report of the run and the questions. docs/boards.md defi
 from __future__ import annotations
 
 import json
+import select
 import shutil
 import sys
 from collections.abc import Callable, Sequence
@@ -23,8 +24,19 @@ AUTO, JSONL, OFF = "auto", "jsonl", "off"
 CHOICES = (AUTO, JSONL, OFF)
 SCHEMA = "gproof-progress/1"
 
+PATIENCE = 1.0
+"""Seconds that a reader has to take a line, while nothing moves."""
+
 COLUMNS = 80
 """Of a terminal that does not say how many it has."""
+
+
+def may_write(patience: float = 0.0) -> bool:
+    """Whether standard error takes a line now: a reader that stands still must not keep the board from its steps."""
+    try:
+        return bool(select.select([], [sys.stderr.fileno()], [], patience)[1])
+    except (OSError, ValueError, AttributeError):
+        return True
 
 
 class Shown(Protocol):
@@ -56,7 +68,8 @@ class Line:
 
     def moment(self, moment: Moment) -> None:
         """See Shown."""
-        self._write(line_of(moment, self._motors))
+        if may_write():
+            self._write(line_of(moment, self._motors))
 
     def asks(self, request: WaitRequest | HoldRequest) -> None:
         """See Shown; the question has the line to itself."""
@@ -108,6 +121,8 @@ class Lines:
 
     def moment(self, moment: Moment) -> None:
         """See Shown."""
+        if not may_write():
+            return
         self._write({
             "kind": "at",
             "section": moment.section,
@@ -131,16 +146,19 @@ class Lines:
                 "kind": "wait", "section": request.section, "line": request.line, "file": request.file or None,
                 "wait": request.wait.value, "text": request.text, "outcomes": list(request.outcomes),
             }  # fmt: skip
-        with suppress(OSError):
-            self._write(told)
+        self._write_at_rest(told)
 
     def end(self, done: ExecutionRecord | None) -> None:
         """See Shown."""
         told: dict[str, Any] = {"kind": "end", "result": None, "reason": "nothing was moved", "record": None}
         if done is not None:
             told |= {"result": done.result.value, "reason": done.reason, "record": done.sha256}
+        self._write_at_rest(told)
+
+    def _write_at_rest(self, told: dict[str, Any]) -> None:
         with suppress(OSError):
-            self._write(told)
+            if may_write(PATIENCE):
+                self._write(told)
 
     def _write(self, told: dict[str, Any]) -> None:
         sys.stderr.write(json.dumps(told, separators=(",", ":")) + "\n")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import sys
+import time
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -16,10 +18,11 @@ from cli.packages import MACHINE, Shop
 from gproof.backend.boards.virtual import VirtualBoard
 from gproof.backend.runtime import walk
 from gproof.backend.watch import Moment, Watch
-from gproof.cli.run_progress import Line, line_of, time_left
+from gproof.cli.run_progress import Line, Lines, line_of, time_left
 from gproof.ir.trace import Wait
 
 TWO_AXES = (MACHINE + MACHINE[MACHINE.index("[axes.x]") :].replace("axes.x", "axes.y")).replace("min = 0", "min = -9")
+TWO_AXES += "[controller]\nfifo_time = 2  # a computer that is busy otherwise must not run the board dry\n"
 # 100 steps a mm. Line 2: 200 steps of X. Line 3: half a circle of radius 1 mm, 200 of X and 200 of Y (up and down).
 # Line 4: a whole circle, 400 and 400. Line 6: 300 of Y.
 JOB = "G21 G90 G17\nG1 F600 X2\nG2 X4 I1\nG3 X4 Y0 I-1 J0\nM8\nG1 Y3\nM30\n"
@@ -119,6 +122,29 @@ def test_a_run_that_is_refused_says_so_to_a_program(shop: Shop) -> None:
 def test_nothing_is_shown_where_nobody_looks(shop: Shop) -> None:
     assert shop("run", "made.gpx", "--board", "virtual").err == ""
     assert shop("run", "made.gpx", "--board", "virtual", "--progress", "off").err == ""
+
+
+def test_a_reader_that_stands_still_holds_nothing_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The board would starve: what is not taken is left out."""
+    from gproof.cli import run_progress
+
+    monkeypatch.setattr(run_progress, "PATIENCE", 0.01)
+    reader, writer = os.pipe()
+    moment = Moment(
+        section=0, sections=1, line=1, file="job.cnc", part=0.5, left=(1.0, 1.0), position=(1.0,), steps=(100,)
+    )  # fmt: skip
+    with os.fdopen(writer, "w") as stream, os.fdopen(reader) as other:
+        monkeypatch.setattr(sys, "stderr", stream)
+        lines = Lines()
+        lines.start("job.cnc", "klipper", ("X",))
+        began = time.monotonic()
+        for _ in range(2000):
+            lines.moment(moment)
+        lines.end(None)
+        assert time.monotonic() - began < 5
+        stream.close()
+        told = [json.loads(line) for line in other]
+    assert 10 < len(told) < 2000 and told[-1]["kind"] == "at"
 
 
 def test_the_line_on_a_terminal(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
