@@ -5,6 +5,7 @@ Names are ``eding/drilled-plate``, ``wincnc/plasma/flange`` and ``mcuwin/engrave
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from corpus.expectations import CORPUS, SUFFIX, expectation, jobs
@@ -12,6 +13,7 @@ from corpus.expectations import CORPUS, SUFFIX, expectation, jobs
 from gproof.backend.job import CertifiedJob
 from gproof.driver.pipeline import Lowered, lower
 from gproof.driver.session import Running, Session, open_session
+from gproof.ir.machine import Machine
 from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 
@@ -32,8 +34,8 @@ def all_jobs(verdict: str = "SAFE") -> list[str]:
     return sorted(name for name in names if job_of(name)[1]["verdict"] == verdict)
 
 
-def lowered(name: str) -> tuple[Session, Lowered]:
-    """A job's session and stages, as far as it gets."""
+def lowered(name: str, other: Callable[[Machine], Machine] = lambda same: same) -> tuple[Session, Lowered]:
+    """A job's session and stages, as far as it gets; other: the machine, changed."""
     program, expected = job_of(name)
     session = open_session(
         program,
@@ -41,6 +43,7 @@ def lowered(name: str) -> tuple[Session, Lowered]:
         setup=expected.get("setup", "zero"),
         dialect=name.split("/", maxsplit=1)[0],
     )
+    session.machine = other(session.machine)
     return session, lower(session, Running(1_000_000), "stream")
 
 

@@ -6,25 +6,26 @@ and which way each step is due.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.simulated_board import MISSING, Simulation, build_runner
+from support.simulated_board import HZ, MISSING, Simulation
 from support.simulated_line import Recorded, judge
 
 from backend import streams
-from gproof.backend.firmware import CHIPS, image
-from gproof.backend.record_data import Result
+from gproof.backend.job import job_of
+from gproof.backend.record_data import ExecutionRecord, Result
+from gproof.backend.record_proof import sent
 from gproof.backend.runtime import run
 from gproof.driver.pipeline import Request, compile_job
 from gproof.driver.progress import Watcher
 from gproof.driver.session import Running
 from gproof.ir.machine import Board, Pin, WiredMotor, WiredOutput
-from gproof.ir.stream import Motor, StepStream
+from gproof.ir.stream import Motor
 from gproof.ir.trace import Op
 from gproof.verify.certificate.keys import load_or_create_key, raw_public
 from gproof.verify.certificate.package import Package, read_package
@@ -106,28 +107,18 @@ def compiled(folder: Path, name: str, program: str, machine: str) -> Package:
     return read_package(folder / "job.gpx")
 
 
-@pytest.fixture(scope="module")
-def tools(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the runner and the shipped images."""
-    folder = tmp_path_factory.mktemp("simulator")
-    build_runner(folder)
-    for chip in CHIPS:
-        (folder / f"{chip}.hex").write_bytes(image(chip))
-    return folder
-
-
-@pytest.fixture
-def chip_of(tools: Path, tmp_path: Path) -> Iterator[Callable[[str], Simulation]]:
-    """Starts a chip whose time is told."""
-    running: list[Simulation] = []
-
-    def start(chip: str) -> Simulation:
-        running.append(Simulation(tools / "runner", chip, tools / f"{chip}.hex", tmp_path, "told"))
-        return running[-1]
-
-    yield start
-    for one in running:
-        one.end()
+def on_chip(package: Package, simulation: Simulation, folder: Path) -> ExecutionRecord:
+    """A run to its end, judged by the pins; what the runtime rested for an operator is in the stream then."""
+    board = Recorded(simulation, package.machine)
+    key = raw_public(load_or_create_key(folder / "key.pem"))
+    record = run(package, board, machine=package.machine, setup=package.setup, trusted_keys=[key])
+    assert (record.result, record.reason) == (Result.COMPLETED, "")
+    job = job_of(package)
+    played = [sent(done, job.stream.sections[done.number], job) for done in record.sections]
+    early, late = judge(simulation, job.machine, job.stream.motors, list(zip(board.bases, played, strict=True)))
+    seconds = sum(done.ticks for done in record.sections) / HZ
+    print(f"{job.name}: {sum(record.steps)} steps in {seconds:.1f} s, {early} to {late} cycles")
+    return record
 
 
 PLATE = """\
@@ -193,12 +184,7 @@ JOBS = {
 def test_a_job_from_its_text_to_the_pins(name: str, chip_of: Callable[[str], Simulation], tmp_path: Path) -> None:
     chip, file, program, dialect, velocities = JOBS[name]
     package = compiled(tmp_path, file, program, machine_text(dialect, **velocities))
-    simulation = chip_of(chip)
-    board = Recorded(simulation, package.machine)
-    key = raw_public(load_or_create_key(tmp_path / "key.pem"))
-    record = run(package, board, machine=package.machine, setup=package.setup, trusted_keys=[key])
-    assert (record.result, record.reason) == (Result.COMPLETED, "")
-    judge(simulation, package.machine, package.stream, board.sections)
+    record = on_chip(package, chip_of(chip), tmp_path)
     assert sum(record.steps) == package.stream.steps()
     assert record.position == package.stream.sections[-1].end()
 
@@ -227,8 +213,7 @@ def test_the_judge_of_the_pins_sees_what_is_wrong() -> None:
     section = streams.section_of([streams.runs_of([(1000, 1, 0, 1), (2000, 2, 0, 1), (4000, 1, 0, -1)])])
     section.events = streams.events_of([(4000, 0, int(Op.COOLANT), (0, 1000))])
     motor = Motor(name="X", axis=0, steps_per_unit=Fraction(1))
-    stream = StepStream(tick_frequency=16_000_000, motors=(motor,), sections=[section])
-    assert judge(Traced(), machine, stream, [(0, 10_000)]) == (0, 12)
+    assert judge(Traced(), machine, [motor], [(10_000, section)]) == (0, 12)
     for k, changed, why in (
         (2, None, "3 steps, and 4"),
         (2, (11_700, 8, 1), "cycles late"),
@@ -244,4 +229,4 @@ def test_the_judge_of_the_pins_sees_what_is_wrong() -> None:
         traced = Traced()
         traced.rows[k : k + 1] = [] if changed is None else [changed]
         with pytest.raises(AssertionError, match=why):
-            judge(traced, machine, stream, [(0, 10_000)])
+            judge(traced, machine, [motor], [(10_000, section)])

@@ -19,7 +19,7 @@ from gproof.backend.boards.klipper.from_machine import ticks_of, wiring_of
 from gproof.backend.boards.klipper.lines import SerialLine
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Machine, Pin, WiredOutput
-from gproof.ir.stream import StepStream
+from gproof.ir.stream import Motor, StreamSection
 from gproof.ir.trace import Op
 
 LOOK = 1600
@@ -63,7 +63,7 @@ class SimulatedLine(SerialLine):
 
 
 class Recorded(KlipperBoard):
-    """The driver on a simulated chip; ``sections``: number and clock tick 0 of each section that it started."""
+    """The driver on a simulated chip; ``bases``: the clock tick 0 of each section that it started."""
 
     def __init__(self, chip: Simulation, machine: Machine) -> None:
         pulse, setup = ticks_of(machine)
@@ -71,11 +71,11 @@ class Recorded(KlipperBoard):
             lambda: SimulatedLine(chip), wiring_of(machine), pulse=pulse, direction_setup=setup, baud=UART_RATE,
             frequency=HZ,
         )  # fmt: skip
-        self.sections: list[tuple[int, int]] = []
+        self.bases: list[int] = []
 
     def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
         base = super().start_section(number, start, lead)
-        self.sections.append((number, base))
+        self.bases.append(base)
         return base
 
 
@@ -100,8 +100,10 @@ class Edges(Protocol):
         """Rows (tick, pin, level)."""
 
 
-def judge(chip: Edges, machine: Machine, stream: StepStream, sections: Sequence[tuple[int, int]]) -> tuple[int, int]:
-    """All steps of these sections, and no more, are on their pins, in their direction and at their ticks.
+def judge(
+    chip: Edges, machine: Machine, motors: Sequence[Motor], sections: Sequence[tuple[int, StreamSection]]
+) -> tuple[int, int]:  # fmt: skip
+    """All steps of these sections, each with its clock tick 0, are on their pins in time and direction, and no more.
 
     Gives how early and how late the earliest and the latest were, cycles. AssertionError.
     """
@@ -110,9 +112,9 @@ def judge(chip: Edges, machine: Machine, stream: StepStream, sections: Sequence[
     wired = {motor.motor: motor for motor in board.motors}
     lowest, highest = 0, 0
     others = np.ones(len(edges), dtype=bool)
-    for k, motor in enumerate(stream.motors):
+    for k, motor in enumerate(motors):
         pins = wired[motor.name]
-        parts = [(base, *steps_of(stream.sections[number].runs[k])) for number, base in sections]
+        parts = [(base, *steps_of(section.runs[k])) for base, section in sections]
         ticks = np.concatenate([base + tick for base, tick, _ in parts])
         direction = np.concatenate([way for *_, way in parts])
         of_step, of_direction = (edges[:, 1] == number_of(pin) for pin in (pins.step, pins.direction))
@@ -140,17 +142,15 @@ def judge(chip: Edges, machine: Machine, stream: StepStream, sections: Sequence[
     known += [number_of(motor.enable) for motor in board.motors if motor.enable is not None]
     assert set(edges[others, 1].tolist()) <= set(known), "pins changed that are not wired"
     for output in board.outputs:
-        _judge_output(edges, output, stream, sections)
+        _judge_output(edges, output, sections)
     return lowest, highest
 
 
-def _judge_output(
-    edges: np.ndarray, output: WiredOutput, stream: StepStream, sections: Sequence[tuple[int, int]]
-) -> None:  # fmt: skip
+def _judge_output(edges: np.ndarray, output: WiredOutput, sections: Sequence[tuple[int, StreamSection]]) -> None:
     """From its first section to its last an output changes when the stream says so, and at no other time."""
     ticks, ways, now = [], [], output.idle
-    for number, base in sections:
-        for tick, _, op, arg in stream.sections[number].events.rows():
+    for base, section in sections:
+        for tick, _, op, arg in section.events.rows():
             on = now
             if op == Op.SPINDLE and output.output in ("spindle", "spindle_reverse"):
                 on = arg[0] > 0 if output.output == "spindle" else arg[0] < 0
@@ -162,7 +162,7 @@ def _judge_output(
                 now = on
                 ticks.append(base + tick)
                 ways.append(on)
-    begin, end = sections[0][1] + EARLIEST, sections[-1][1] + stream.sections[sections[-1][0]].duration + LATEST
+    begin, end = sections[0][0] + EARLIEST, sections[-1][0] + sections[-1][1].duration + LATEST
     made = edges[(edges[:, 1] == number_of(output.pin)) & (edges[:, 0] >= begin) & (edges[:, 0] <= end)]
     assert len(made) == len(ticks), f"{output.output}: {len(made)} changes, and {len(ticks)} are in the stream"
     late = made[:, 0] - np.array(ticks, dtype=np.int64)
