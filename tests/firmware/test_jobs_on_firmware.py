@@ -13,10 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from corpus.jobs import all_jobs, lowered
 from support.simulated_board import HZ, MISSING, Simulation
 from support.simulated_line import Recorded, judge
 
 from backend import streams
+from gproof.backend.firmware import CHIPS
 from gproof.backend.job import job_of
 from gproof.backend.record_data import ExecutionRecord, Result
 from gproof.backend.record_proof import sent
@@ -24,11 +26,14 @@ from gproof.backend.runtime import run
 from gproof.driver.pipeline import Request, compile_job
 from gproof.driver.progress import Watcher
 from gproof.driver.session import Running
-from gproof.ir.machine import Board, Pin, WiredMotor, WiredOutput
+from gproof.ir.machine import Board, Machine, Pin, WiredMotor, WiredOutput
 from gproof.ir.stream import Motor
 from gproof.ir.trace import Op
+from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict
 from gproof.verify.certificate.keys import load_or_create_key, raw_public
 from gproof.verify.certificate.package import Package, read_package
+from gproof.verify.certificate.write import write_package
+from gproof.verify.stream import validate
 
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 
@@ -107,12 +112,14 @@ def compiled(folder: Path, name: str, program: str, machine: str) -> Package:
     return read_package(folder / "job.gpx")
 
 
-def on_chip(package: Package, simulation: Simulation, folder: Path) -> ExecutionRecord:
+def on_chip(
+    package: Package, simulation: Simulation, folder: Path, ends: tuple[Result, ...] = (Result.COMPLETED,)
+) -> ExecutionRecord:
     """A run to its end, judged by the pins; what the runtime rested for an operator is in the stream then."""
     board = Recorded(simulation, package.machine)
     key = raw_public(load_or_create_key(folder / "key.pem"))
     record = run(package, board, machine=package.machine, setup=package.setup, trusted_keys=[key])
-    assert (record.result, record.reason) == (Result.COMPLETED, "")
+    assert record.result in ends and (record.result is Result.STOPPED) == bool(record.reason), record.reason
     job = job_of(package)
     played = [sent(done, job.stream.sections[done.number], job) for done in record.sections]
     early, late = judge(simulation, job.machine, job.stream.motors, list(zip(board.bases, played, strict=True)))
@@ -187,6 +194,97 @@ def test_a_job_from_its_text_to_the_pins(name: str, chip_of: Callable[[str], Sim
     record = on_chip(package, chip_of(chip), tmp_path)
     assert sum(record.steps) == package.stream.steps()
     assert record.position == package.stream.sections[-1].end()
+
+
+STEPS, LONGEST = 19_000, 60.0
+"""Of jobs of the corpus, whose machines step up to 64,000 times a second: steps a second of all motors here, and
+seconds that a job takes at most with the limits that it has."""
+
+BOTH_CHIPS = [Pin(name=f"P{port}{bit}") for port in "BC" for bit in range(6)]
+OUTPUTS = ("spindle", "flood", "mist", "1", "2", "3")
+
+
+def slowed(machine: Machine) -> Machine:
+    """The machine with pins of either chip, and motors of at most their share of the rate."""
+    drives = [(axis, drive) for axis in machine.axes for drive in axis.drives() if drive.steps_per_unit is not None]
+    share = STEPS / len(drives)
+    most = {axis.name: share / abs(float(drive.steps_per_unit)) for axis, drive in drives}
+    axes = tuple(
+        replace(axis, max_velocity=min(axis.max_velocity or most[axis.name], most[axis.name]))
+        if axis.name in most
+        else axis
+        for axis in machine.axes
+    )
+    motors = tuple(
+        WiredMotor(motor=drive.name, step=BOTH_CHIPS[2 * k], direction=BOTH_CHIPS[2 * k + 1])
+        for k, (_, drive) in enumerate(drives)
+    )
+    outputs = tuple(WiredOutput(output=name, pin=Pin(name=f"PD{k + 2}")) for k, name in enumerate(OUTPUTS))
+    board = replace(machine.board, name="klipper", motors=motors, outputs=outputs, probe=None)
+    return replace(machine, axes=axes, board=board)
+
+
+def package_of(name: str, folder: Path) -> Package | None:
+    """A job compiled and signed; None where there is no stream, or it takes too long."""
+    session, stages = lowered(name)
+    if stages.stream is None or sum(part.duration for part in stages.stream.sections) > LONGEST * HZ:
+        return None
+    machine = session.machine
+    session, stages = lowered(name, slowed)
+    assert stages.stream is not None and session.machine != machine
+    write_package(
+        folder / "job.gpx", job=name, version="0", inputs=[],
+        properties=[PropertyResult(name=one, verdict=Verdict.SAFE) for one in DEFAULT_POLICY],
+        not_judged=[], assumptions=[], machine=session.machine, setup=session.setup, trace=stages.trace,
+        stream=stages.stream, report=validate(stages.stream, stages.trace, session.machine, session.setup),
+        key=load_or_create_key(folder / "key.pem"),
+    )  # fmt: skip
+    return read_package(folder / "job.gpx")
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("chip", CHIPS)
+@pytest.mark.parametrize("name", all_jobs())
+def test_a_job_of_the_corpus(name: str, chip: str, chip_of: Callable[[str], Simulation], tmp_path: Path) -> None:
+    package = package_of(name, tmp_path)
+    if package is None:
+        return
+    record = on_chip(package, chip_of(chip), tmp_path, ends=(Result.COMPLETED, Result.STOPPED))
+    assert sum(record.steps) > 0
+    assert record.position == package.stream.sections[record.sections[-1].number].end()
+
+
+LONG = """\
+G21 G90 G54 G17 G94
+G0 X10 Y5 Z-2
+T1 M6
+M3 S6000
+M8
+F1500
+G1 X20 Y12
+G4 P200
+M9
+G2 X30 Y12 I5 J0
+M5
+T2 M6
+M3 S6000
+G4 P70
+G1 X0 Y0 Z0
+M5
+M30
+"""
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("chip", CHIPS)
+def test_a_dwell_of_200_s_and_a_job_longer_than_the_clock_has_bits(
+    chip: str, chip_of: Callable[[str], Simulation], tmp_path: Path
+) -> None:  # fmt: skip
+    """Two tools and outputs, too. 2**32 ticks are 268 s."""
+    package = compiled(tmp_path, "long.cnc", LONG, machine_text("eding", x=60, y=60, z=60))
+    record = on_chip(package, chip_of(chip), tmp_path)
+    assert sum(done.ticks for done in record.sections) > 2**32
+    assert record.position == (0, 0, 0)
 
 
 class Traced:
