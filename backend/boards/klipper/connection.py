@@ -24,7 +24,10 @@ QUERIES = 8
 """Seconds until a question is put again whose answer may have been lost, and how often."""
 
 GONE = 2.0
-"""Seconds without any acknowledgement after which a board counts as lost."""
+"""Seconds of listening without any acknowledgement after which a board counts as lost."""
+
+LISTENED = 0.25
+"""Seconds that count as listened between two looks at the line: a host that slept for longer has heard nothing."""
 
 HALF_BLOCK = 0.02
 """Seconds of silence after which half a block is none."""
@@ -53,7 +56,8 @@ class Shutdown(BoardError):
 class Connection:
     """A board at the other end of a line.
 
-    handler: called with every message that is no answer to the present question.
+    handler: called with every message that is no answer to the present question. listened: seconds in which the line
+    was watched, without those in which the host slept.
     """
 
     def __init__(self, line: Line, handler: Handler) -> None:
@@ -61,6 +65,9 @@ class Connection:
         self.dictionary: Dictionary = BARE
         self.handler = handler
         self.transport = Transport(window=64)
+        self.listened = 0.0
+        self._looked: float | None = None
+        self._heard = 0.0
         self._answers: list[Answer] | None = None
         self._awaited = ""
 
@@ -79,7 +86,8 @@ class Connection:
             self.line.write(b"\x7e" + block(sequence, probe))
             parser, until = Parser(), self.line.now() + PROBE_TIME
             answered: int | None = None
-            while answered is None and (data := self.line.read(until)):
+            # What never stops is no board either.
+            while answered is None and self.line.now() < until and (data := self.line.read(until)):
                 heard = True
                 # The empty block is the last that a board says to a probe.
                 answered = next((b.sequence for b in reversed(parser.feed(data)) if not b.payload), None)
@@ -110,7 +118,8 @@ class Connection:
         self.dictionary = BARE
         collected = Collected()
         while True:
-            answer = self.query(IDENTIFY.name, IDENTIFIED.name, offset=collected.offset, count=PART)
+            # An answer for another offset is one to an earlier question, or of a board that would never end.
+            answer = self.query(IDENTIFY.name, IDENTIFIED.name, key="offset", offset=collected.offset, count=PART)
             if collected.add(answer.fields):
                 break
         self.dictionary = collected.dictionary()
@@ -156,6 +165,9 @@ class Connection:
     def pump(self, until: float) -> None:
         """One round: write what is due, and read what arrives ``until`` then. LineLost."""
         transport, now = self.transport, self.line.now()
+        taken = transport.acknowledged
+        if not transport.flying:
+            self._heard, self._looked = self.listened, now
         if data := transport.out(now):
             self.line.write(data)
         again = transport.next_time()
@@ -169,8 +181,18 @@ class Connection:
         for payload, asked in received:
             for name, fields in self.dictionary.read(payload):
                 self._dispatch(Answer(name, fields, asked, now))
-        # Only what arrived shows how long nothing did: the host may have slept.
-        if not data and transport.silent(now) > GONE:
+        self._listen(now, taken)
+
+    def _listen(self, now: float, taken: int) -> None:
+        """Count what was listened; LineLost after too long without an acknowledgement.
+
+        A host that slept reads first what came meanwhile, and then judges.
+        """
+        before, self._looked = self._looked, now
+        self.listened += 0.0 if before is None else min(now - before, LISTENED)
+        if not self.transport.flying or self.transport.acknowledged != taken:
+            self._heard = self.listened
+        elif self.listened > self._heard + GONE:
             raise LineLost(f"the board has acknowledged nothing for {GONE:g} s")
 
     def _dispatch(self, answer: Answer) -> None:

@@ -216,6 +216,7 @@ class KlipperBoard:
 
     def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
         """See Board; the first section after power-up tells where the motors are."""
+        self._executed = ()
         self._round()
         if self._state is not BoardState.IDLE:
             raise BoardError(f"section {number}: the board is {self._state.value} {self._reason}".rstrip())
@@ -238,7 +239,6 @@ class KlipperBoard:
             motor.section(start[oid], self._base, self._identity, number)
             live.link.send("reset_step_clock", oid=oid, clock=self._base & _WORD)
         self._outbox.clear()
-        self._executed = ()
         self._horizon, self._end, self._renew_at = self._base, None, None
         self._state = BoardState.RUNNING
         self._settled(live)

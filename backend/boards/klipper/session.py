@@ -70,8 +70,8 @@ FIRST_READINGS, FIRST_PAUSE = 8, 0.02
 POLL, POLL_MOVING = 0.5, 0.1
 """Seconds between readings of the clock, at rest and in motion: they are what shows that the board goes on."""
 
-STOP_TIME = 1.0
-"""Seconds that a board has to say that it has stopped."""
+STOP_TIME, HALT_PAUSE = 1.0, 0.05
+"""Seconds of listening that a board has to say that it has stopped; between two looks at the line meanwhile."""
 
 
 class Session:
@@ -193,11 +193,11 @@ class Session:
         """Stop the board, before anything that is still to be sent; BoardError when it does not say that it has."""
         self.link.transport.forget()
         self.link.send("emergency_stop")
-        until = self.now() + STOP_TIME
+        until = self.link.listened + STOP_TIME
         while self.shutdown is None:
-            if self.now() >= until:
+            if self.link.listened >= until:
                 raise LineLost("the board does not say that it has stopped")
-            self.link.pump(until)
+            self.link.pump(self.now() + HALT_PAUSE)
 
     def _heard(self, answer: Answer) -> None:
         """A message that nobody waits for."""

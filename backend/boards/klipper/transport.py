@@ -69,7 +69,6 @@ class Transport:
         self.counts = Counts()
         self.parser = Parser()
         self.acknowledged = 0
-        self.progress = 0.0
         self._given = 0
         self._expected = self._next = sequence
         self._last_empty = sequence
@@ -125,9 +124,10 @@ class Transport:
         """Whether everything has been acknowledged."""
         return not self._waiting and not self._flying
 
-    def silent(self, now: float) -> float:
-        """Seconds for which something has been in flight and nothing was acknowledged."""
-        return now - max(self.progress, self._flying[0].first_sent) if self._flying else 0.0
+    @property
+    def flying(self) -> bool:
+        """Whether something has gone out and was not acknowledged."""
+        return bool(self._flying)
 
     def out(self, now: float) -> bytes:
         """The bytes to write at this moment."""
@@ -235,7 +235,7 @@ class Transport:
             self._nak = True
 
     def _acknowledge(self, sequence: int, now: float) -> None:
-        self._expected, self.progress = sequence, now
+        self._expected = sequence
         self._stale_naks, self._nak = 0, False
         while self._flying and self._flying[0].sequence < sequence:
             sent = self._flying.popleft()

@@ -1,27 +1,34 @@
 """Seeded schedules of faults between a host and an emulated board, and the verdict of the board's own log on each.
 
-A schedule is a seed: the board's clock, its profile, noise on the line, a fault at a moment of the motion, and stalls
-of the host. The verdict: every step in the log is the stream's next one, at its tick; nothing of a later section; and
-the record claims no more than was made, and says of each position whether it is known.
+A schedule is a seed: the board's clock, its profile, noise on the line, a fault at a moment of the motion, and what
+happens to the host: it is stalled, killed at a write, its disk is full, another host wants the port. The verdict: every
+step in the log is the stream's next one, at its tick; nothing of a later section; and the record, made from the journal
+where the host was killed, claims no more than was made, and says of each position whether it is known.
 """
 
 from __future__ import annotations
 
 import contextlib
 import random
+import tempfile
 from collections import Counter
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from functools import cache
+from pathlib import Path
 from unittest import mock
 
+import numpy as np
 from backend.boards.emulator.emulated_line import EmulatedLine
+from backend.boards.emulator.frail_host import FrailHost, Killed
 from backend.jobs import job
 from backend.streams import FREQUENCY, steps_of
 
+from gproof.backend import journal as journals
 from gproof.backend.boards.board import BoardError
 from gproof.backend.boards.emulator.emulator import Emulator, Options
 from gproof.backend.boards.emulator.faults import Noise, parsed
-from gproof.backend.boards.emulator.log_reader import Told, read
+from gproof.backend.boards.emulator.log_reader import Steps, Told, read
 from gproof.backend.boards.klipper import driver
 from gproof.backend.boards.klipper.driver import KlipperBoard
 from gproof.backend.boards.klipper.wiring import MotorPins, Wiring
@@ -36,11 +43,17 @@ PINS = (0, 2)
 
 WIRING = Wiring(motors=[MotorPins(step=f"PA{pin}", direction=f"PA{pin + 1}") for pin in PINS])
 
-FAULTS = (
-    "", "", "drop to-board {n}", "drop to-host {n}", "flip to-board {n}", "flip to-host {n}", "double to-board {n}",
+OF_BOARD = (
+    "", "drop to-board {n}", "drop to-host {n}", "flip to-board {n}", "flip to-host {n}", "double to-board {n}",
     "double to-host {n}", "delay to-board {s}", "delay to-host {s}", "drop to-board {burst}", "drop to-host {burst}",
     "close {s}", "close {long}", "shutdown", "reset", "brown-out {s}", "stall {s}",
 )  # fmt: skip
+"""Faults of the line and the board."""
+
+OF_HOST = ("host stalled", "host killed", "host killed, then another", "disk full", "two hosts")
+
+WRITES, NOTES = 200, 24
+"""About as many writes does a host make in a run, and so many of them into its journal."""
 
 
 @cache
@@ -54,21 +67,53 @@ def jobs() -> tuple[CertifiedJob, ...]:
     return tuple(replace(one, accepted=TRUSTED, machine_at_hand=True, setup_at_hand=True) for one in made)
 
 
-def schedule(seed: int, *, certified: bool) -> tuple[str, Options, list[tuple[float, float]]]:
-    """What a seed means: its fault, the board, the host's stalls."""
+@dataclass
+class Schedule:
+    """What a seed means. stalls: of the host; taken: host seconds between which another program has the port;
+    visits: when another host tries to open it; again: another host runs a job so many seconds after this one."""
+
+    name: str
+    options: Options
+    host: FrailHost
+    stalls: list[tuple[float, float]] = field(default_factory=list)
+    taken: tuple[float, float] = (0.0, 0.0)
+    visits: list[float] = field(default_factory=list)
+    again: float | None = None
+
+
+def schedule(seed: int, *, certified: bool) -> Schedule:
+    """What a seed means: its fault, the board, what happens to the host."""
     random_ = random.Random(seed)
-    kind = random_.choice(FAULTS)
+    kind = random_.choice((*OF_BOARD, *OF_HOST, *OF_HOST))
+    of_host, found = kind in OF_HOST, Schedule("", Options(), FrailHost())
+    name = kind if of_host else kind.split(" ")[0] + (" " + kind.split(" ")[1] if "to-" in kind else "")
+    noisy = random_.random() < 0.3
+    if of_host:
+        # One in three of them with a fault of the line or the board in addition.
+        kind = random_.choice(OF_BOARD) if random_.random() < 0.3 else ""
     if kind:
         size = {"n": random_.randint(1, 5), "burst": random_.randint(20, 200), "s": random_.choice((0.002, 0.05, 0.3))}
         kind = kind.format(**size, long=random_.choice((3, 30)))
     at = random_.uniform(0, 0.6)
     noise = Noise()
-    if random_.random() < 0.3:
+    if noisy:
         noise = Noise(*(random_.choice((0, 1e-4, 1e-3)) for _ in range(3)), bursts=random_.choice((0, 1e-4)))
-    stalls = []
-    if random_.random() < 0.25:
-        stalls.append((random_.uniform(0.2, 0.9), random_.choice((0.1, 0.3, 1.0, 5.0))))
-    options = Options(
+    if name == "host stalled" or random_.random() < 0.1:
+        for _ in range(random_.choice((1, 1, 1, 2, 3))):
+            found.stalls.append((random_.uniform(0.2, 3.0), random_.choice((0.1, 0.3, 1.0, 2.5, 5.0))))
+        found.stalls.sort()
+    if name.startswith("host killed"):
+        found.host.kill_at, found.host.half = random_.randint(1, WRITES), random_.random() < 0.5
+    if name == "disk full":
+        first = random_.randint(1, NOTES)
+        found.host.full = range(first, first + random_.choice((1, 3, 1000)))
+    if name in ("two hosts", "host killed, then another"):
+        found.again = random_.choice((0.0, 0.05, 0.3, 3.0))
+    if name == "two hosts":
+        found.visits = [random_.uniform(0, 4) for _ in range(3)]
+        begins = random_.uniform(0, 4)
+        found.taken = (begins, begins + random_.choice((0.2, 2.0, 20.0)))
+    found.options = Options(
         certified=certified,
         frequency=FREQUENCY,
         baud=1_000_000,
@@ -80,8 +125,8 @@ def schedule(seed: int, *, certified: bool) -> tuple[str, Options, list[tuple[fl
         noise=noise,
         faults=tuple(parsed(f"motion+{at:.4f} {kind}")) if kind else (),
     )
-    name = kind.split(" ")[0] + (" " + kind.split(" ")[1] if "to-" in kind else "")
-    return name or ("noise" if noise.any else "stalled host" if stalls else "none"), options, stalls
+    found.name = name or ("noise" if noise.any else "host stalled" if found.stalls else "none")
+    return found
 
 
 def judged(certified: CertifiedJob, told: Told, record: ExecutionRecord) -> str:
@@ -132,28 +177,144 @@ def proved(certified: CertifiedJob, record: ExecutionRecord, made: list[int]) ->
     assert unknown or all(a >= b for a, b in zip(most, made, strict=True)), f"{made} made, {most} at most"
 
 
-def ran(one: CertifiedJob, options: Options, stalls: list[tuple[float, float]]) -> tuple[Told, ExecutionRecord | None]:
-    """The board's log and the host's record of a job; no record where the board could not be opened."""
-    board = Emulator(options)
-    line = EmulatedLine(board, stalls)
-    record = None
-    with mock.patch.object(driver, "FIND_PAUSE", 0.0), contextlib.suppress(BoardError):
-        record = walk(one, KlipperBoard(line.connect, WIRING, pulse=2, direction_setup=5))
+@dataclass
+class Run:
+    """One host's run: its job, the record (None: it never had the board), the one that its journal gives, the steps
+    of the section that was open that the mark allows at most, and what the board made for it."""
+
+    job: CertifiedJob
+    record: ExecutionRecord | None = None
+    killed: bool = False
+    from_journal: ExecutionRecord | None = None
+    given: tuple[int, tuple[int, ...]] | None = None
+    told: Told = field(init=False)
+
+
+class Started(KlipperBoard):
+    """Remembers the clock at the tick 0 of its first section, and of which boot: no step of it comes before."""
+
+    base: tuple[int, int] | None = None
+    emulator: Emulator
+
+    def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
+        found = super().start_section(number, start, lead)
+        if self.base is None:
+            self.base = int(str(self.emulator.state()["boots"])) - 1, found
+        return found
+
+
+def walked(one: CertifiedJob, line: EmulatedLine, host: FrailHost, folder: Path) -> tuple[Run, Started]:
+    """One host from its start to its end."""
+    board = Started(line.connect, WIRING, pulse=2, direction_setup=5)
+    board.emulator = line.board
+    made = Run(one)
+    journal = journals.begin(folder, "klipper", {}, marks=folder)
+    line.write_through, line.alive = host.write, host.check
+    with host.writing(journal):
+        try:
+            with contextlib.suppress(BoardError):
+                made.record = walk(one, board, journal=journal)
+        except Killed:
+            made.killed, made.record = True, None
+        except OSError:
+            assert host.full, "the journal could not be written"
+    # The system closes what a process had open.
+    line.held, path = False, journal.path
+    journal.let_go()
+    found = journals.read_journal(path)
+    assert not found.damaged
+    trail = found.trail()
+    if trail.begun:
+        made.from_journal = trail.record()
+        given = found.given()
+        if given is not None and given.place == trail.started and made.killed:
+            made.given = given.place, given.given
+    return made, board
+
+
+def ran(one: CertifiedJob, plan: Schedule, other: CertifiedJob | None = None) -> list[Run]:
+    """What the hosts of a schedule made of a job, and of another one after it."""
+    board = Emulator(plan.options)
+    line = EmulatedLine(board, list(plan.stalls), taken=plan.taken)
+    visits = sorted(plan.visits)
+
+    def visited() -> None:
+        while visits and visits[0] <= line.now():
+            visits.pop(0)
+            if line.held:
+                refused(line)
+
+    line.visitor = visited
+    runs, bases = [], []
+    with mock.patch.object(driver, "FIND_PAUSE", 0.0), tempfile.TemporaryDirectory() as folder:
+        made, _ = walked(one, line, plan.host, Path(folder, "first"))
+        runs.append(made)
+        if plan.again is not None and other is not None:
+            line.visitor = None
+            board.advance(board.now + round(plan.again * 1e9))
+            made, second = walked(other, line, FrailHost(), Path(folder, "second"))
+            runs.append(made)
+            bases = [second.base]
     # What the board still does when nobody is there any more belongs to its log.
     board.advance(board.now + 40 * 10**9)
     board.finish()
-    return read(board.log.held), record
+    told = read(board.log.held)
+    for run, part in zip(runs, parted(told, bases), strict=True):
+        run.told = part
+    return runs
+
+
+def refused(line: EmulatedLine) -> None:
+    """A host that wants a port that another one has gets nowhere, and sends nothing."""
+    try:
+        KlipperBoard(line.connect, WIRING).open()
+    except BoardError as error:
+        assert "another program" in str(error)
+    else:
+        raise AssertionError("two hosts have one port")
+
+
+def parted(told: Told, bases: list[tuple[int, int] | None]) -> Iterator[Told]:
+    """The steps of each host: those of the second come after the tick 0 of its first section."""
+    steps = told.steps
+    for base in bases:
+        late = np.zeros(len(steps.tick), dtype=bool)
+        if base is not None:
+            boot, tick = base
+            late = (steps.boot > boot) | ((steps.boot == boot) & (steps.tick > tick))
+        yield replace(told, steps=_chosen(steps, ~late))
+        steps = _chosen(steps, late)
+    yield replace(told, steps=steps)
+
+
+def _chosen(steps: Steps, mask: np.ndarray) -> Steps:
+    return Steps(**{name: getattr(steps, name)[mask] for name in ("motor", "tick", "direction", "boot")})
+
+
+def said(run: Run) -> str:
+    """The outcome of a host's run; AssertionError."""
+    if run.killed:
+        run.record = run.from_journal
+    if run.record is None:
+        assert not len(run.told.steps.tick), "a board that was not opened moved, or no record says so"
+        return "not opened, nothing moved"
+    result = judged(run.job, run.told, run.record)
+    if run.from_journal is not None and run.from_journal != run.record:
+        judged(run.job, run.told, run.from_journal)
+    if run.given is not None:
+        place, most = run.given
+        assert place == len(run.record.sections)
+        before = [sum(s.steps[k] for s in run.record.sections[:-1]) for k in range(len(PINS))]
+        for pin, b, m in zip(PINS, before, most, strict=True):
+            assert len(run.told.steps.of(pin)[0]) <= b + m, "more was made than the mark says was given"
+    return result
 
 
 def outcome(seed: int, *, certified: bool) -> tuple[str, str]:
     """The fault and the outcome of one schedule."""
-    name, options, stalls = schedule(seed, certified=certified)
-    one = jobs()[seed % len(jobs())]
-    told, record = ran(one, options, stalls)
-    if record is None:
-        assert not len(told.steps.tick), "a board that could not be opened moved"
-        return name, "not opened, nothing moved"
-    return name, judged(one, told, record)
+    plan = schedule(seed, certified=certified)
+    one, other = jobs()[seed % len(jobs())], jobs()[(seed + 1) % len(jobs())]
+    return plan.name, "; then ".join(said(run) for run in ran(one, plan, other))
 
 
 def table(seeds: range, *, certified: bool) -> Counter[tuple[str, str]]:
@@ -165,3 +326,21 @@ def table(seeds: range, *, certified: bool) -> Counter[tuple[str, str]]:
         except AssertionError as error:
             raise AssertionError(f"seed {seed}, certified {certified}: {error}") from error
     return found
+
+
+def outcome_table(found: Counter[tuple[str, str]]) -> list[str]:
+    """A row for each fault, a column for each outcome of the first host; of a second one how often it finished."""
+    short = {
+        "completed, position known": "finished", "stopped, position known": "stopped at rest",
+        "emergency-stop, position known": "found again", "underrun, position known": "stopped in time",
+        "fault, position known": "fault, known", "not opened, nothing moved": "nothing moved",
+    }  # fmt: skip
+    cells: Counter[tuple[str, str]] = Counter()
+    for (fault, result), times in found.items():
+        first = result.split("; ")[0]
+        cells[fault, short.get(first, "declared unknown" if "unknown" in first else first)] += times
+    columns = list(dict.fromkeys([*short.values(), "declared unknown", *(column for _, column in sorted(cells))]))
+    rows = ["| fault | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
+    for fault in [*sorted({fault for fault, _ in cells})]:
+        rows.append(f"| {fault} | " + " | ".join(str(cells[fault, column] or "") for column in columns) + " |")
+    return rows

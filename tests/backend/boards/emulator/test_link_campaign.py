@@ -9,27 +9,43 @@ from dataclasses import replace
 
 import pytest
 from backend.boards.emulator.emulated_line import EmulatedLine
-from backend.boards.emulator.link_campaign import PINS, WIRING, jobs, judged, proved, ran, schedule, table
+from backend.boards.emulator.frail_host import FrailHost
+from backend.boards.emulator.link_campaign import (
+    OF_BOARD,
+    OF_HOST,
+    PINS,
+    WIRING,
+    Schedule,
+    jobs,
+    judged,
+    outcome_table,
+    proved,
+    ran,
+    table,
+)  # fmt: skip
 from backend.streams import FREQUENCY
 from support.campaigns import sizes
 
 from gproof.backend.boards.emulator.emulator import Emulator, Options
-from gproof.backend.boards.emulator.log_reader import read
+from gproof.backend.boards.emulator.log_reader import Told, read
 from gproof.backend.boards.klipper.connection import Connection
 from gproof.backend.boards.klipper.driver import KlipperBoard
 from gproof.backend.control import Control
+from gproof.backend.job import CertifiedJob
 from gproof.backend.operators import AutoContinue, HoldRequest
 from gproof.backend.record import parse_record, problems
-from gproof.backend.record_data import Result
+from gproof.backend.record_data import ExecutionRecord, Result
 from gproof.backend.record_proof import Proof, proofs
 from gproof.backend.runtime import Hold, walk
 
 
-@pytest.mark.parametrize("count", sizes(12, 5000))
+@pytest.mark.parametrize("count", sizes(24, 5000))
 def test_no_fault_makes_a_wrong_step_or_a_record_that_claims_one(count: int) -> None:
-    for certified in (False, True):
-        for (fault, result), times in sorted(table(range(count), certified=certified).items()):
-            print(f"{'certified' if certified else 'plain':9}  {fault:18}  {result:40}  {times:6}")
+    found = {certified: table(range(count), certified=certified) for certified in (False, True)}
+    print(f"\n{2 * count} schedules\n\n" + "\n".join(outcome_table(found[False] + found[True])))
+    if count >= 1000:
+        wanted = {" ".join(kind.split()[: 2 if "to-" in kind else 1]) for kind in OF_BOARD if kind} | {*OF_HOST}
+        assert {name for counts in found.values() for name, _ in counts} >= wanted
 
 
 def once(at: float, request: Callable[[], None]) -> Callable[[float], None]:
@@ -85,10 +101,17 @@ def test_a_board_that_lost_step_is_found() -> None:
         assert connection.identify().version
 
 
+def calm(one: CertifiedJob, *, certified: bool) -> tuple[Told, ExecutionRecord]:
+    """A job without a fault."""
+    (run,) = ran(one, Schedule("none", Options(certified=certified, frequency=FREQUENCY, baud=1_000_000), FrailHost()))
+    assert run.record is not None and run.record == run.from_journal
+    return run.told, run.record
+
+
 def test_the_judge_sees_what_is_wrong() -> None:
     one = jobs()[0]
-    told, record = ran(one, replace(schedule(0, certified=False)[1], faults=()), [])
-    assert record is not None and judged(one, told, record) == "completed, position known"
+    told, record = calm(one, certified=False)
+    assert judged(one, told, record) == "completed, position known"
     late, turned, extra = (copy.deepcopy(told) for _ in range(3))
     late.steps.tick[100] += 1
     turned.steps.direction[100] *= -1
@@ -110,8 +133,8 @@ def test_the_judge_sees_what_is_wrong() -> None:
 
 def test_a_count_or_crc_that_the_stream_does_not_give_is_seen() -> None:
     one = jobs()[0]
-    told, record = ran(one, replace(schedule(0, certified=True)[1], faults=()), [])
-    assert record is not None and judged(one, told, record) == "completed, position known"
+    told, record = calm(one, certified=True)
+    assert judged(one, told, record) == "completed, position known"
     assert all(known.proof is Proof.PROVED for known in proofs(record, one))
     first = record.sections[0]
     x, y = first.executed
@@ -129,3 +152,31 @@ def test_a_count_or_crc_that_the_stream_does_not_give_is_seen() -> None:
     silent = replace(record, sections=tuple(replace(section, executed=()) for section in record.sections))
     assert not list(problems(silent, one))
     assert {known.proof for known in proofs(silent, one)} == {Proof.ACKNOWLEDGED}
+
+
+def test_a_host_that_slept_reads_first_and_then_judges() -> None:
+    for where in ("before it writes", "before it reads", "after it has read"):
+        line, heard = EmulatedLine(Emulator(Options())), []
+        connection = Connection(line, heard.append)
+        connection.synchronise()
+        connection.identify()
+        connection.pump(line.now() + 0.01)
+        connection.send("get_uptime")
+        if where != "before it writes":
+            connection.pump(line.now())
+        # In the middle of an answer on the line, or before anything is on it.
+        line.stalls.append((line.now() + (0.0001 if where == "after it has read" else 0), 5.0))
+        for _ in range(3):
+            connection.pump(line.now() + 0.002)
+        assert [answer.name for answer in heard] == ["uptime"], where
+
+
+def test_a_host_that_slept_for_long_in_a_section_knows_where_its_motors_are() -> None:
+    for k in range(8):
+        plan = Schedule("", Options(frequency=FREQUENCY, baud=1_000_000, certified=k % 2 == 0), FrailHost())
+        plan.stalls.append((0.4 + 0.2 * k, 5.0))
+        (run,) = ran(jobs()[k % 2], plan)
+        assert run.record is not None, k
+        assert run.record.position is not None, (k, run.record.reason)
+        assert not any(section.losses for section in run.record.sections), (k, run.record.reason)
+        judged(run.job, run.told, run.record)
