@@ -19,8 +19,7 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from backend.boards.emulator.emulated_line import EmulatedLine
-from backend.boards.emulator.frail_host import FrailHost, Killed
+from backend.boards.emulator.emulated_line import EmulatedLine, FrailHost, Killed
 from backend.jobs import job
 from backend.streams import FREQUENCY, steps_of
 

@@ -8,8 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from backend.boards.emulator.emulated_line import EmulatedLine
-from backend.boards.emulator.frail_host import FrailHost
+from backend.boards.emulator.emulated_line import EmulatedLine, FrailHost
 from backend.boards.emulator.link_campaign import (
     OF_BOARD,
     OF_HOST,
