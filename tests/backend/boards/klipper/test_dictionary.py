@@ -1,5 +1,5 @@
-"""Dictionaries that boards send, and boards that are none or mean harm: whatever comes over the line, opening it ends in
-a board or in one error."""
+"""Dictionaries that boards send, and boards that are none or mean harm: whatever comes over the line, opening it ends
+in a board or in one error."""
 
 from __future__ import annotations
 
