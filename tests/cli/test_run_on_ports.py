@@ -253,12 +253,14 @@ def long(shop: Shop) -> Shop:
 
 
 @contextmanager
-def running(shop: Shop, name: str, *words: str) -> Iterator[subprocess.Popen[str]]:
-    """A run in a process of its own, without a terminal: whom it asks gives no answer."""
+def running(
+    shop: Shop, name: str, *words: str, package: str = "long.gpx", answers: int = subprocess.DEVNULL
+) -> Iterator[subprocess.Popen[str]]:
+    """A run in a process of its own, without a terminal: whom it asks gives no answer, unless ``answers`` is a pipe."""
     runs = shop.folder / f"runs-{name}"
     process = subprocess.Popen(
-        [sys.executable, "-c", START, "run", "long.gpx", *words, "--runs", str(runs), "--progress", "jsonl"],
-        cwd=shop.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        [sys.executable, "-c", START, "run", package, *words, "--runs", str(runs), "--progress", "jsonl"],
+        cwd=shop.folder, stdin=answers, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
         yield process
@@ -312,6 +314,41 @@ def test_a_signal_ends_it_at_rest_with_a_record(name: str, long: Shop) -> None:
         assert told["steps"] == [0, 0] and told["sections"] == []
     assert "long.gpx: " in out and f'"result":"{result}"' in err
     assert _emulators_of(process.pid) == []
+
+
+def test_a_feed_hold_goes_on_when_the_operator_says_so(long: Shop) -> None:
+    (long.folder / "wait.cnc").write_text("G21 G90\nG1 F600 X8\nM8\nG1 X0\nM30\n")
+    made = long("compile", "wait.cnc", "--machine", "machine.toml", "--setup", "zero", "-o", "wait.gpx")
+    assert made.exit == 0, made
+    words = ("--board", "emulator", "--ask")
+    with running(long, "answered", *words, package="wait.gpx", answers=subprocess.PIPE) as process:
+        assert process.stdin is not None
+        until(process, "at", 100)
+        process.send_signal(signal.SIGINT)
+        # The way of the axis may end before the hold does: then it holds where it rests for M8.
+        assert until(process, "hold")["section"] == 0
+        print("", file=process.stdin, flush=True)
+        asked = until(process, "wait")
+        assert (asked["line"], asked["text"]) == (3, "mist: off; flood: on")
+        print("", file=process.stdin, flush=True)
+        until(process, "wait")
+        print("", file=process.stdin, flush=True)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 0, (out, err)
+    told = record_of(long, "answered")
+    assert (told["result"], told["position"], told["steps"]) == ("completed", [0, 0], [1600, 0])
+
+
+def test_a_signal_while_the_operator_is_asked_ends_it_there(long: Shop) -> None:
+    words = ("--board", "emulator", "--ask")
+    with running(long, "asked", *words, package="wait.gpx", answers=subprocess.PIPE) as process:
+        until(process, "wait")
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 130, (out, err)
+    told = record_of(long, "asked")
+    assert (told["result"], told["position"], told["steps"]) == ("stopped", [800, 0], [800, 0])
 
 
 @pytest.mark.parametrize("seed", seeds(1, 40))

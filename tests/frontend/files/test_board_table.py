@@ -148,3 +148,24 @@ def test_port_and_baud(tmp_path: Path) -> None:
     assert read(tmp_path, HEAD + "[board]\nbaud = 50\n")[1] == [
         (9, "board.baud: 50 is not a whole number from 1200 to 10000000")
     ]
+
+
+@each("name", ["cnc.ini", "WINCNC.INI", "McuWIN.ini"])
+def test_a_controllers_own_file_gets_a_board(name: str, tmp_path: Path) -> None:
+    """`base`: the file of the controller; its times of the board stay where nothing else is stated."""
+    texts = {
+        "cnc.ini": "[JOINT_0]\nvisible=1\nresolution=320\n[JOINT_1]\nvisible=1\nresolution=320\n",
+        "WINCNC.INI": "unit=mm\naxischar=XY\naxisspec=p0s0d0r100a36000f24000o0\naxisspec=p0s1d1r100a36000f24000o1\n"
+        "steppulse=P7 D6\n",
+        "McuWIN.ini": "",
+    }
+    (tmp_path / name).write_text(texts[name])
+    head = f'schema = "gproof-machine/1"\nunits = "mm"\nbase = "{name}"\n'
+    pins = '[board]\nname = "klipper"\n[board.motors.x]\nstep = "PA0"\ndirection = "PA1"\n'
+    axis = "[axes.x]\nsteps_per_unit = 100\n" if name == "McuWIN.ini" else ""
+    machine, found = read(tmp_path, head + axis + pins)
+    assert machine is not None, found
+    assert machine.board.motors == (WiredMotor(motor="X", step=Pin(name="PA0"), direction=Pin(name="PA1")),)
+    assert machine.board.name == "klipper"
+    if name == "WINCNC.INI":
+        assert (machine.board.step_pulse, machine.board.direction_setup) == (7e-6, 6e-6)
