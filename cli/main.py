@@ -40,6 +40,7 @@ from gproof.cli.options import (
     once,
     package_options,
 )
+from gproof.cli.resume_command import resume
 from gproof.cli.signals import INTERRUPTED, PROCESS, ended_by_signals
 from gproof.cli.status_command import status
 from gproof.cli.streams import discard, standard_streams
@@ -344,6 +345,7 @@ def verify(
 
 cli.add_command(run)
 cli.add_command(status)
+cli.add_command(resume)
 cli.add_command(boards)
 
 

@@ -15,6 +15,7 @@ from gproof.ir.record import record
 
 if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
+    from gproof.frontend.common.resuming import Resumed, Start
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.job import Job
@@ -97,6 +98,7 @@ class Frontend:
     open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
     load_program: reads a job with all that it calls. raise_program: makes a Job of it, for translation, with what
     the setup states;
+    resumed: writes the program that goes on with the lines of one in its middle; CannotResume.
     plain_devices: leaves out what its machine's macros do at a tool change.
     alone: how one file is read to be printed again; definitions: name
     of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
@@ -132,4 +134,5 @@ class Frontend:
     setup_table: str = ""
     setup_fields: Callable[[TomlTable], dict[str, Any]] = lambda root: {}
     raise_program: Callable[[Program, Machine, Setup], Job] | None = None
+    resumed: Callable[[Sequence[str], Start], Resumed] | None = None
     plain_devices: Callable[[Program], Program] = lambda program: program

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from gproof.frontend.common.frontend import Files, Frontend, Marker, OwnTable, R
 
 if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
+    from gproof.frontend.common.resuming import Resumed, Start
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.job import Job
@@ -70,6 +72,12 @@ def _raise_program(program: Program, machine: Machine, setup: Setup | None = Non
     return raise_program(program, machine)
 
 
+def _resumed(lines: Sequence[str], start: Start) -> Resumed:
+    from gproof.frontend.eding.resuming import resumed
+
+    return resumed(lines, start)
+
+
 FRONTEND = Frontend(
     name="eding",
     title="Eding CNC",
@@ -101,4 +109,5 @@ FRONTEND = Frontend(
     setup_table="parameters",
     setup_fields=_setup_fields,
     raise_program=_raise_program,
+    resumed=_resumed,
 )
