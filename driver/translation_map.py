@@ -44,12 +44,15 @@ AXIS_CHANNEL = 100
 
 
 def _channels(numbers: set[int], target: Target, by_axis: bool) -> dict[int, int]:
-    """Each channel as itself; to axes as one of the first axis, from axes as its number there, if no two are the same.
+    """Each channel as itself; to axes as one of the first axis, from axes as its number there, if no two are the same,
+    else one after the other where the target has no such numbers.
 
     by_axis: those of the source belong to axes.
     """
     if by_axis and not target.axis_channels and len({n % AXIS_CHANNEL for n in numbers}) == len(numbers):
         return {n: n % AXIS_CHANNEL for n in sorted(numbers)}
+    if by_axis and target.channels[0] and max(numbers, default=0) > target.channels[1]:
+        return {n: place for place, n in enumerate(sorted(numbers), 1)}
     first = AXIS_CHANNEL if target.axis_channels and not by_axis else 0
     return {n: n if n > first else first + n for n in sorted(numbers)}
 
@@ -61,7 +64,7 @@ def _how(found: TranslationMap) -> str:
         return "Each is proposed as itself"
     if any(new > old for old, new in channels.items()):
         return "Outputs and inputs are proposed as those of the first axis"
-    return "Outputs and inputs are proposed as their numbers within their axes"
+    return "Outputs and inputs are proposed as numbers without their axes"
 
 
 def _all(job: Job) -> list[Node]:

@@ -56,7 +56,8 @@ def by_map(
         "outputs": given.outputs, "inputs": given.inputs, "tools": given.tools, "offsets": given.offsets,
         "lengths": given.lengths,
     }  # fmt: skip
-    unused = [
+    # What a refused operation would have needed is not known.
+    unused = [] if mapper.has_refused else [
         (name, number) for name, table in tables.items() for number in table if (name, number) not in mapper.used
     ]  # fmt: skip
     return Mapped(job=mapped, unused=unused)
@@ -83,6 +84,7 @@ class _Mapper:
         self.same = same
         self.own_tools: frozenset[int] | None = None
         self.used: set[tuple[str, int]] = set()
+        self.has_refused = False
 
     def body(self, nodes: Nodes) -> Nodes:
         """A list of operations."""
@@ -99,6 +101,7 @@ class _Mapper:
             return self._own(node)
         except _Refused as refused:
             construct, why = refused.args
+            self.has_refused = True
             return NotRaised(construct=construct, why=why, span=node.span)
 
     def value(self, expr: Expr) -> Expr:

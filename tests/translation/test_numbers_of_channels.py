@@ -30,6 +30,7 @@ def switches(source: str, *channels: int) -> Job:
         # McuWIN counts them by axis: 104 is the fourth of the first axis (4.11, 7).
         ("wincnc", "mcuwin", (4, 5), {4: 104, 5: 105}, {5: 105}),
         ("mcuwin", "linuxcnc", (104, 203), {104: 4, 203: 3}, {203: 3}),
+        ("mcuwin", "linuxcnc", (104, 204), {104: 1, 204: 2}, {204: 4}),
         ("mcuwin", "wincnc", (104, 204), {104: 104, 204: 204}, {204: 4}),
         ("mcuwin", "mcuwin", (104, 203), {104: 104, 203: 203}, {203: 203}),
     ],
