@@ -319,7 +319,13 @@ class SectionRun:
     def _after_rest(self, make: Callable[[int], Prepared | None], begins: int) -> Prepared | None:
         """The section with a rest from ``begins`` until motion can go on: on a real board, whose clock goes on, with
         the time that making it takes. None: it did not pass the validator, or took too long each time."""
-        now, spare = self.board.status().tick - self.base, self.pace.preparing if self.is_.real_time else 0
+        spare = 0
+        if self.is_.real_time:
+            # Nobody has heard the board while somebody was asked: what its clock shows is known within what it may
+            # have drifted since, and better after a moment.
+            self.board.wait(self.board.status().tick + int(SLICE * self.is_.tick_frequency))
+            spare = self.pace.preparing
+        now = self.board.status().tick - self.base
         for _ in range(TRIES):
             rest = max(1, now + self.pace.lead + spare - begins)
             made, asked = make(rest), now

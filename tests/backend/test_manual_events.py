@@ -7,10 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from backend.boards.klipper.emulated_line import EmulatedLine
 from backend.boards.klipper.fake_peer import FakePeer
 from backend.streams import steps_of
 from cli.packages import MACHINE, Shop
 
+from gproof.backend.boards.emulator.emulator import Options
 from gproof.backend.boards.klipper.driver import KlipperBoard
 from gproof.backend.boards.klipper.wiring import MotorPins, OutputPin, Wiring
 from gproof.backend.boards.outputs import Manual, left_of, pins_of
@@ -136,6 +138,31 @@ def test_nothing_is_wired_and_everything_is_asked_at_rest(certified: CertifiedJo
     section = certified.stream.sections[0]
     assert [d for _, d in peer.steppers[0].edges] == [d for _, d in steps_of(section.runs[0])]
     assert done.position == section.end()
+    assert list(problems(done, certified)) == []
+
+
+def test_a_question_may_take_an_hour(certified: CertifiedJob) -> None:
+    """The clock's 32 bits go round 13 times meanwhile, and nobody hears the line."""
+    peer = FakePeer()
+    done, _ = on_a_board(certified, Person(peer, 3600.0))
+    assert done.result is Result.COMPLETED, done.reason
+    assert done.position == certified.stream.sections[0].end()
+    assert list(problems(done, certified)) == []
+
+
+def test_firmware_that_watches_waits_as_long(certified: CertifiedJob) -> None:
+    """With the extension nothing is promised while the operator is asked."""
+    line = EmulatedLine(Options())
+
+    class Slow(Person):
+        def wait(self, request: WaitRequest) -> str | None:
+            line.pass_time(900.0)
+            return request.outcomes[0]
+
+    board = KlipperBoard(line.connect, Wiring(motors=[MotorPins(step="PA0", direction="PA1")]))
+    done = walk(certified, board, operator=Slow(FakePeer(), 0.0))
+    assert done.result is Result.COMPLETED, done.reason
+    assert done.position == certified.stream.sections[0].end()
     assert list(problems(done, certified)) == []
 
 
