@@ -56,7 +56,7 @@ def by_map(
         "outputs": given.outputs, "inputs": given.inputs, "tools": given.tools, "offsets": given.offsets,
         "lengths": given.lengths,
     }  # fmt: skip
-    # What a refused operation would have needed is not known.
+    # What an operation with a channel that the target lacks would have needed besides is not known.
     unused = [] if mapper.has_refused else [
         (name, number) for name, table in tables.items() for number in table if (name, number) not in mapper.used
     ]  # fmt: skip
@@ -101,7 +101,6 @@ class _Mapper:
             return self._own(node)
         except _Refused as refused:
             construct, why = refused.args
-            self.has_refused = True
             return NotRaised(construct=construct, why=why, span=node.span)
 
     def value(self, expr: Expr) -> Expr:
@@ -157,6 +156,7 @@ class _Mapper:
             found = number
         why = self.check_channel(found) if check is None else check(found)
         if why:
+            self.has_refused |= check is None
             raise _Refused(f"{what} {number}", why)
         if table == "tools":
             self.used.add(("lengths", found))

@@ -156,7 +156,7 @@ def random_program(seed: int, axes: str = "xyzabc") -> str:
 
 UNREAD = {
     "G5 X1", "G33 Z1 K1", "G76", "G41 D1", "G52 X1", "G68 R10", "G73 Z-1 R1 Q1", "G83 Z-1 R1 Q1", "G84 Z-1 R1",
-    "G96 S10",
+    "G96 S10", "G93 F6\nG1 X10", "G93 G1 X5 F6\nX10", "M62 P64", "M66 P64 L3 Q1",
     "M19", "M61 Q1", "M67 E1 Q1", "M98 P1", "M100", "N10 G0 X1", "/G0 X1", "G0 X", "G0 X1 X2", "G0 U1", "G0 X1 G1 Y1",
     "G0 X#40", "#1 = 5", "#5420 = 1", "G0 X[1 +", "o1 repeat [3]", "o1 if [1 LT 2]", "o<a> call", "o<a> call [1]",
     "(LOGOPEN,file)", "(PROBEOPEN file)", ";py,print", "G0 X1 (open", "#<a> = 1", "G10 L1 P1 Z5", "G10 L2 P0 X1",

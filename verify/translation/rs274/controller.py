@@ -135,6 +135,9 @@ class Controller:
             self.now(feed_mode=per // 10)
         feed = words.take("F")
         if feed is None:
+            if self.per == 93:
+                # It is for the motion of its own line alone (G-Codes G93).
+                self.feed = NAN
             return
         if self.per is None:
             raise Unread("F before G94")
