@@ -6,9 +6,11 @@ import json
 import os
 import pty
 import random
+import select
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -189,6 +191,27 @@ def test_a_port_that_nobody_answers_at(shop: Shop) -> None:
     try:
         refused(on(shop, os.ttyname(slave)), "no board found: nobody answers")
     finally:
+        os.close(master)
+        os.close(slave)
+
+
+def test_a_device_that_is_no_board(shop: Shop) -> None:
+    """A controller with another language answers each line, whatever it is."""
+    master, slave = pty.openpty()
+    over = threading.Event()
+
+    def answer() -> None:
+        while not over.is_set():
+            if select.select([master], [], [], 0.02)[0] and os.read(master, 4096):
+                os.write(master, b"error:1\r\nok\r\n")
+
+    thread = threading.Thread(target=answer)
+    thread.start()
+    try:
+        refused(on(shop, os.ttyname(slave)), "what answers does not speak Klipper's protocol, or at another baud rate")
+    finally:
+        over.set()
+        thread.join()
         os.close(master)
         os.close(slave)
 
