@@ -10,7 +10,7 @@ from gproof.backend.boards.klipper.connection import Connection
 from gproof.backend.boards.klipper.dictionary import DictionaryError
 from gproof.backend.boards.klipper.lines import Line, SerialLine
 from gproof.backend.boards.klipper.messages import Fields
-from gproof.backend.boards.klipper.session import ANSWERS, EXTENSION, VERSION
+from gproof.backend.boards.klipper.session import ANSWERS, EXTENSION, IN_SECTION, VERSION
 from gproof.backend.run_bounds import Told
 
 QUESTIONS = {
@@ -20,7 +20,6 @@ QUESTIONS = {
 }
 """Source: docs/boards.md, "The certification extension"."""
 
-IN_SECTION = 2
 NONE = 0xFFFFFFFF
 
 PATIENCE, PAUSE = 5.0, 0.1

@@ -480,6 +480,10 @@ class KlipperBoard:
         if self._offsets is None:
             return
         least, most = [], []
+        made = [motor.all_made(one.steps) for motor, one in zip(self._motors, self._executed, strict=False)]
+        if other := self._other_runs():
+            # Counts of other runs say nothing of these.
+            self._known, self._executed, self._reason = Known.UNKNOWN, (), f"{self._reason}; {other}"
         for k, (motor, counted, off) in enumerate(zip(self._motors, raw, self._offsets, strict=True)):
             position = counted + off
             bounds = motor.stopped(position, tick + SLACK, sent)
@@ -488,14 +492,12 @@ class KlipperBoard:
                 self._reason += f"; the board counts {position}, where no step of the section leads"
                 bounds = motor.by(0, 0)[1], motor.by(_NEVER, sent)[1]
             if k < len(self._executed):
-                bounds = (motor.all_made(self._executed[k].steps),) * 2
+                bounds = made[k], made[k]
             motor.position = position
             # It had not stopped before the last step that it made was due.
             self._stopped_at = max(self._stopped_at or 0, motor.due(bounds[0]))
             least.append((position, bounds[0]))
             most.append(bounds[1])
-        if other := self._other_runs():
-            self._reason += f"; {other}"
         for motor in self._motors:
             motor.stop()
         self._bounds = least, tuple(most)

@@ -64,6 +64,9 @@ CERTIFIED_ANSWERS = {
     "cert_motor": ("oid", "steps", "pos", "crc"),
 }
 
+IN_SECTION = 2
+"""State of the extension."""
+
 FIRST_READINGS, FIRST_PAUSE = 8, 0.02
 """Readings of the clock when a board is opened, seconds apart."""
 
@@ -116,6 +119,7 @@ class Session:
         for name, fields in (ANSWERS | (CERTIFIED_ANSWERS if self.certified else {})).items():
             dictionary.response(name, fields)
         self.leave_shutdown()
+        self._leave_section()
         self.was_reset = False
         self.clock = BoardClock(dictionary.number("CLOCK_FREQ"), self._steadiness)
         for _ in range(FIRST_READINGS):
@@ -150,6 +154,14 @@ class Session:
                 self.link.send("clear_shutdown")
                 self.link.settle()
         raise BoardError("the board does not leave its shutdown")
+
+    def _leave_section(self) -> None:
+        """Stop a board that a host which is gone left in a section: it starts no other before that is over."""
+        if not self.certified:
+            return
+        if _number(self.link.query("cert_get_state", "cert_state"), "state") == IN_SECTION:
+            self.halt()
+            self.leave_shutdown()
 
     def read_clock(self) -> None:
         """Read all bits of the clock; ClockError when it is not the one that it was."""

@@ -6,6 +6,7 @@ board that counts is asked; and never less than the truth after a power failure,
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import random
@@ -17,9 +18,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from backend.boards.emulator.link_campaign import jobs
-from backend.streams import steps_of
+from backend.boards.emulator.emulated_line import EmulatedLine
+from backend.boards.emulator.link_campaign import PINS, WIRING, jobs
+from backend.streams import FREQUENCY, steps_of
 from support.campaigns import sizes
+
+from gproof.backend import journal as journals
+from gproof.backend import runtime
+from gproof.backend.boards.emulator.emulator import Emulator, Options
+from gproof.backend.boards.emulator.log_reader import read
+from gproof.backend.boards.klipper.driver import KlipperBoard
+from gproof.driver import run_status
 
 HERE = Path(__file__).parent
 TESTS = HERE.parents[2]
@@ -116,3 +125,40 @@ def test_killed_at_any_point_status_says_the_truth(many: int, tmp_path: Path) ->
     for (profile, result), times in sorted(results.items()):
         print(f"{profile:9}  {result:45}  {times:5}")
     assert sum(times for (_, result), times in results.items() if "to the step" in result) >= many // 4
+
+
+@pytest.mark.parametrize("first", [3, 4, 6, 9])
+def test_after_a_full_disk_the_mark_still_knows(first: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From a write on the journal takes nothing more: the run ends at rest, and `status` says what was made."""
+    monkeypatch.setattr(runtime, "NOTED", 0.05)
+    board = Emulator(Options(frequency=FREQUENCY, baud=1_000_000))
+    line = EmulatedLine(board)
+    journal = journals.begin(tmp_path / "runs", "klipper", {"package": "job.gpx"}, marks=tmp_path, behind=True)
+    write, count = os.write, [0]
+
+    def writing(handle: int, data: bytes) -> int:
+        count[0] += 1
+        if count[0] >= first:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(handle, data)
+
+    with monkeypatch.context() as full:
+        full.setattr(os, "write", writing)
+        record = runtime.walk(
+            jobs()[0], KlipperBoard(line.connect, WIRING, pulse=2, direction_setup=5), journal=journal
+        )  # fmt: skip
+        journal.let_go()
+    board.advance(board.now + 40 * 10**9)
+    board.finish()
+    told = read(board.log.held)
+    made = [len(told.steps.of(pin)[0]) for pin in PINS]
+    assert list(record.steps) == made
+    monkeypatch.setattr(run_status, "_job", lambda *_: (jobs()[0], ""))
+    (path,) = (tmp_path / "runs").glob("*.journal")
+    status = run_status.status_of(path, None)
+    assert status.state == run_status.INTERRUPTED
+    assert not status.contradiction
+    assert status.most is not None
+    assert all(a <= n <= b for a, n, b in zip(status.least, made, status.most, strict=True)), (status.least, made)
+    assert status.exact
+    assert status.position == record.position

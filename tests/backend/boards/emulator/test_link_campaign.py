@@ -179,3 +179,30 @@ def test_a_host_that_slept_for_long_in_a_section_knows_where_its_motors_are() ->
         assert run.record.position is not None, (k, run.record.reason)
         assert not any(section.losses for section in run.record.sections), (k, run.record.reason)
         judged(run.job, run.told, run.record)
+
+
+@pytest.mark.parametrize("made", [False, True])
+def test_a_section_that_a_host_left_is_none_of_the_next_one(made: bool) -> None:
+    """The board rests in a section of the same stream and number; what it made there is nobody's of the next run."""
+    one = jobs()[0]
+    emulator = Emulator(Options(frequency=FREQUENCY, baud=1_000_000))
+    line = EmulatedLine(emulator)
+    first = KlipperBoard(line.connect, WIRING, pulse=2, direction_setup=5)
+    first.open()
+    first.present(bytes.fromhex(one.certificate))
+    section = one.stream.sections[0]
+    base = first.start_section(0, section.start, 1000)
+    if made:
+        for motor, runs in enumerate(section.runs):
+            first.queue_runs(motor, runs)
+    first.commit(None)
+    first.wait(base + section.duration + 1000)
+    emulator.finish()
+    before = [len(read(emulator.log.held).steps.of(pin)[0]) for pin in PINS]
+    assert (sum(before) > 0) == made
+    record = walk(one, KlipperBoard(EmulatedLine(emulator).connect, WIRING, pulse=2, direction_setup=5))
+    emulator.finish()
+    now = [len(read(emulator.log.held).steps.of(pin)[0]) for pin in PINS]
+    assert list(record.steps) == [b - a for a, b in zip(before, now, strict=True)]
+    assert record.result is Result.COMPLETED
+    proved(one, record, list(record.steps))
