@@ -13,6 +13,7 @@ import pytest
 from support.command import Done, in_this_process
 
 from gproof.backend.boards.emulator.log_reader import read
+from gproof.backend.boards.klipper import connection
 from gproof.backend.boards.klipper.connection import NOBODY
 from gproof.backend.boards.registry import BOARDS
 from gproof.cli.boards import _ranges
@@ -102,7 +103,8 @@ def test_a_shutdown_is_seen_and_not_cleared(tmp_path: Path) -> None:
         assert "  state       in a shutdown\n" in gproof(tmp_path, "probe", port).out
 
 
-def test_where_there_is_no_board(tmp_path: Path) -> None:
+def test_where_there_is_no_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connection, "PROBES", 5)
     done = gproof(tmp_path, "probe", "/dev/not-there")
     assert (done.exit, done.out, done.err) == (3, "", "gproof: error: /dev/not-there: there is no such port\n")
     with emulator() as port:

@@ -23,6 +23,8 @@ from support.campaigns import seeds, share
 from support.command import Done
 from support.each import each
 
+from gproof.backend.boards.klipper import connection
+
 EMULATOR = [sys.executable, "-m", "gproof.backend.boards.emulator"]
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"
@@ -84,6 +86,12 @@ def emulator(*words: str) -> Iterator[str]:
 def port() -> Iterator[str]:
     with emulator("--stay") as name:
         yield name
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half a second of probes in place of three."""
+    monkeypatch.setattr(connection, "PROBES", 5)
 
 
 def on(shop: Shop, port: str, *more: str) -> Done:
@@ -172,6 +180,7 @@ def test_a_board_that_does_not_fit(case: str, shop: Shop) -> None:
     assert done.exit == (1 if "pin" in why else 3), done
 
 
+@pytest.mark.usefixtures("impatient")
 def test_ports_that_are_no_board(shop: Shop, port: str, tmp_path: Path) -> None:
     refused(on(shop, "/dev/not-there"), "/dev/not-there: there is no such port")
     refused(on(shop, "socket://127.0.0.1:1"), "it cannot be opened")
@@ -186,6 +195,7 @@ def test_ports_that_are_no_board(shop: Shop, port: str, tmp_path: Path) -> None:
     refused(on(shop, port, "--baud", "115200"), "at another baud rate")
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_port_that_nobody_answers_at(shop: Shop) -> None:
     master, slave = pty.openpty()
     try:
@@ -195,6 +205,7 @@ def test_a_port_that_nobody_answers_at(shop: Shop) -> None:
         os.close(slave)
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_device_that_is_no_board(shop: Shop) -> None:
     """A controller with another language answers each line, whatever it is."""
     master, slave = pty.openpty()
