@@ -124,6 +124,9 @@ def merged(
         for motor, made in enumerate(told.executed):
             sums = derived(asked, section, record, motor)
             proved &= sums is not None and sums.steps == made.steps and made.crc in sums.crcs
+    if section is not None and record.board.counting is not None and not proved and not told.moving:
+        # Other runs than the journal knows of: how far they lead in those is not known.
+        return before
     if told.moving and counts != before.most:
         return Bounds(least=counts, most=before.most, source=before.source)
     return Bounds(least=counts, most=counts, source=Source.BOARD, proved=proved)

@@ -213,8 +213,9 @@ def _asked(
         return found, "it may mean an earlier run of the same section: this one acknowledged nothing"
     proof = "and their CRC-32 is that of the stream" if found.proved else "the CRC-32 was not compared with the stream"
     if as_sent is not None and not found.proved and record.board.counting is not None:
-        proof = "but their CRC-32 is not that of the stream as the journal knows it"
-    return found, f"it counts {', '.join(map(str, found.least))} steps, {proof}"
+        proof = "but their CRC-32 is not that of the stream as the journal knows it: they are not believed"
+    counts = ", ".join(str(one.steps) for one in told.executed)
+    return found, f"it counts {counts} steps, {proof}"
 
 
 def _position(planned: StreamSection, bounds: Bounds) -> tuple[int, ...] | None:

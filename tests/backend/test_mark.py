@@ -14,7 +14,7 @@ from backend.jobs import job
 
 from gproof.backend import journal as journals
 from gproof.backend import mark as marks
-from gproof.backend.boards.board import Known
+from gproof.backend.boards.board import Counting, Known
 from gproof.backend.journal import read_journal
 from gproof.backend.mark import PLACE, Given, Mark, read_mark
 from gproof.backend.program_place import place_of, tick_of_step
@@ -202,6 +202,11 @@ def test_what_the_board_says_counts_only_where_it_is_of_this_run() -> None:
     assert section is not None and section.known is Known.BETWEEN
     found = merged(before, told((40, 2)), section, None, record, begun=True)
     assert (found.least, found.most, found.source) == ((40, 2), (40, 2), Source.BOARD)
+    counting = replace(
+        record, board=replace(record.board, counting=Counting(levels=(1, 1), rest=1 << 30, lead=1 << 16))
+    )
+    other = merged(before, told((40, 2)), section, TWO.stream.sections[0], counting, begun=True)
+    assert (other.least, other.most, other.proved) == ((25, 0), (60, 4), False), "another CRC: not believed"
     # An earlier run of the same section: no more than so many, and none that this run is known to have made.
     found = merged(before, told((40, 2)), section, None, record, begun=False)
     assert (found.least, found.most) == ((25, 0), (40, 2))

@@ -135,7 +135,8 @@ def run(place: Path, at: int, half: bool, certified: bool, job_number: int, out:
     os.pwrite = bomb.wrap(os.pwrite, 1)
     journal = journals.begin(place, "klipper", {"package": "job.gpx"}, marks=place, behind=True)
     runtime.walk(
-        jobs()[job_number], KlipperBoard(line.connect, WIRING, pulse=2, direction_setup=5), journal=journal
+        jobs()[job_number], KlipperBoard(line.connect, WIRING, pulse=2, direction_setup=5), journal=journal,
+        override=0.7 if certified else 1,
     )  # fmt: skip
     journal.close("record.json")
     return bomb.count
