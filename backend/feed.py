@@ -28,17 +28,21 @@ MOST_SPLIT = 10_000_000
 @record(frozen=True, slots=True, kw_only=True)
 class Words:
     """The greatest numbers that a run may have on its way to a board: count, add (signs aside), interval; rest: the
-    interval of a run of one step, where that may be greater."""
+    interval of a run of one step, where that may be greater; least: ticks between two steps of a motor (0: any)."""
 
     count: int = 2**31 - 1
     add: int = 2**61
     interval: int = 2**61
     rest: int = 0
+    least: int = 0
 
     @classmethod
     def of(cls, board: Capabilities) -> Words:
         """Those of a board."""
-        return cls(count=board.max_count, add=board.max_add, interval=board.max_interval, rest=board.max_rest)
+        return cls(
+            count=board.max_count, add=board.max_add, interval=board.max_interval, rest=board.max_rest,
+            least=board.min_interval,
+        )  # fmt: skip
 
     def problem(self, runs: Columns) -> str | None:
         """Why runs cannot be sent, split as they may be; None when they can."""
@@ -47,6 +51,8 @@ class Words:
         most = max(self.interval, self.rest)
         if len(longest) and int(longest.max()) > most:
             return f"an interval of {int(longest.max())} ticks, and the board can take {most}"
+        if self.least and (near := nearest(interval, count, add)) < self.least:
+            return f"steps {near} ticks apart, and the board needs {self.least}"
         parts = np.where(self.single(interval, count, add), count, count / self.count)
         if float(parts.sum()) > MOST_SPLIT:
             return f"runs that the board has to cut into more than {MOST_SPLIT}"
@@ -57,6 +63,16 @@ class Words:
         longest = np.maximum(interval, interval + add * (count - 1))
         found: npt.NDArray[np.bool_] = (np.abs(np.where(count == 1, 0, add)) > self.add) | (longest > self.interval)
         return found
+
+
+def nearest(interval: Ints, count: Ints, add: Ints) -> int:
+    """The shortest time between two steps of a motor's runs in a section, ticks; 2⁶² where there are no two."""
+    last = interval + add * (count - 1)
+    first = interval.copy()
+    # The first interval of all counts from the section's start.
+    first[:1] = np.where(count[:1] > 1, first[:1] + add[:1], _NEVER)
+    last[:1] = np.where(count[:1] > 1, last[:1], _NEVER)
+    return int(np.minimum(first, last).min(initial=_NEVER))
 
 
 class _Cursor:

@@ -68,6 +68,15 @@ def done_by(runs: Columns, tick: int) -> Done:
     return Done(steps, net, last)
 
 
+def step_tick(runs: Columns, number: int) -> int:
+    """The tick of a step, counted from 1; there must be so many."""
+    counted = np.cumsum(runs["count"])
+    k = int(np.searchsorted(counted, number))
+    n = number - int(counted[k] - runs["count"][k])
+    before = int(spans(runs)[:k].sum())
+    return before + n * int(runs["interval"][k]) + int(runs["add"][k]) * (n * (n - 1) // 2)
+
+
 def position_at(section: StreamSection, tick: int) -> tuple[int, ...]:
     """Positions in steps when everything due at or before ``tick`` is done."""
     return tuple(s + done_by(r, tick).net for s, r in zip(section.start, section.runs, strict=True))

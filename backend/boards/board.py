@@ -85,7 +85,8 @@ class Capabilities:
     motors: how many; tick_frequency: Hz; fifo_runs: runs it stores for all motors together;
     step_pulse, direction_setup: ticks; max_count: steps in one run; max_add, max_interval:
     the greatest growth of its intervals, signs aside, and the longest interval, ticks; max_rest: the longest interval
-    of a run of one step (0: as of others); real_time: its clock follows ours; step_rate: steps a second of all motors
+    of a run of one step (0: as of others); min_interval: the shortest time between two steps of a motor that it makes
+    (0: any); real_time: its clock follows ours; step_rate: steps a second of all motors
     together that it makes on their ticks (0: no limit is known); link_rate: bytes a second to it (0: no
     limit is known); event_bytes: of an event on it, at most; watched: it watches the host's promises; identity,
     firmware: what tells it from others, and the version it runs; motor_names: those of the motors that are wired, in
@@ -104,6 +105,7 @@ class Capabilities:
     max_add: int = 2**61
     max_interval: int = 2**61
     max_rest: int = 0
+    min_interval: int = 0
     real_time: bool = True
     link_rate: int = 0
     step_rate: int = 0
@@ -122,7 +124,8 @@ class Status:
 
     tick: the board's clock; state; free: runs the FIFO can take; accepted: runs acknowledged, by motor;
     steps: pulses given since it was opened, by motor; position: in steps, by motor; events: how many were
-    carried out; stopped_at: clock tick at which motion stopped for good; reason: why. known: how well the
+    carried out; stopped_at: clock tick at which motion stopped for good: the steps due by then were made, no others (a
+    board that slows down along the path is at rest later); reason: why. known: how well the
     position is known; most: steps by motor that it made at most, where they are not known exactly. While a section
     runs, a board that does not report its steps states those that it has certainly made.
     """

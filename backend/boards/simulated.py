@@ -49,7 +49,10 @@ class HostDelay:
 
 @record(frozen=True, slots=True)
 class Halt:
-    """Motion that ends by itself: no step after ``tick``, and at tick ``at`` the board acts."""
+    """Something that happens by itself: no step after ``tick``, and at tick ``at`` the board acts.
+
+    If it is still in motion then, it goes on; the next ``Halt`` is another one.
+    """
 
     tick: int
     at: int
@@ -179,7 +182,7 @@ class SimulatedBoard:
                 f"motor {motor}: a step due at tick {due - self._base} arrived at {self._now - self._base}",
             )
             return
-        places = (int(state[rk.HEAD] + state[rk.SIZE]) + np.arange(len(runs))) % self._is.fifo_runs
+        places = (int(state[rk.HEAD] + state[rk.SIZE]) + np.arange(len(runs))) % self._rings.shape[1]
         for k, name in enumerate(("interval", "count", "add", "direction")):
             self._rings[motor, places, k] = runs[name]
         state[rk.SIZE] += len(runs)
@@ -258,15 +261,17 @@ class SimulatedBoard:
 
     def _run(self, until: int) -> None:
         """Execute what is due by ``until``; the clock then shows it, whether or not motion stopped before."""
-        if self._board_state is BoardState.RUNNING:
+        while self._board_state is BoardState.RUNNING:
             halt = self._halt(until)
             limit = until if halt is None else min(until, max(self._now, halt.tick))
             self._execute(limit)
             if halt is not None and until >= halt.at and self._board_state is BoardState.RUNNING:
                 self._now = limit
                 halt.act()
-            elif self._end is not None and limit >= self._end and not self._pending():
+                continue
+            if self._end is not None and limit >= self._end and not self._pending():
                 self._board_state, self._end = BoardState.IDLE, None
+            break
         self._now = max(self._now, until)
 
     def _halt(self, until: int) -> Halt | None:
