@@ -19,6 +19,7 @@ BAUD = click.IntRange(1200, 10_000_000)
     examples=(
         "gproof run part.gpx --board virtual",
         "gproof run part.gpx --board virtual --ask --record part.record.json",
+        "gproof run part.gpx --board pci7200 --vcd part.vcd",
         "gproof run part.gpx --board klipper --port COM3 --machine m.toml --setup zero",
     ),
 )  # fmt: skip
@@ -34,7 +35,10 @@ BAUD = click.IntRange(1200, 10_000_000)
 @option("--port", title=BOARD, metavar="PORT", help="Port of the board [default: that of the machine file]")
 @option("--baud", title=BOARD, metavar="RATE", type=BAUD, help="Speed of the port")
 @option("--ask", title=BOARD, is_flag=True, help="Ask at operator stops; a board that moves a machine always asks")
-@option("--real-time", title=BOARD, is_flag=True, help="Virtual board: take as long as the real machine")
+@option("--real-time", title=BOARD, is_flag=True, help="Virtual and modelled boards: take as long as the real machine")
+@option(
+    "--vcd", title=BOARD, metavar=FILE, type=FileName(), help="Modelled boards: write their pins to a waveform file"
+)
 @option("--override", title=BOARD, metavar="FACTOR", type=Finite(0.1, 1.0), help="Feed override, 0.1 to 1")
 @option("--hold-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Feed hold at this time of the first section")
 @option("--estop-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Emergency stop at this time")
@@ -45,7 +49,7 @@ BAUD = click.IntRange(1200, 10_000_000)
 @package_options
 @option(
     "--allow-untrusted", title=REQUIRED, is_flag=True,
-    help="Run a package that no trusted key has signed (virtual board and emulator only)",
+    help="Run a package that no trusted key has signed (boards that move nothing only)",
 )  # fmt: skip
 @option(
     "--record", title=RECORD, metavar=FILE, type=FileName(), help="Write the execution record (JSON) to a file"
@@ -63,7 +67,7 @@ def run(
     package: Path, board: str, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
     allow_untrusted: bool, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
     override: float | None, ask: bool, replace_record: bool, runs: Path | None, after_interruption: bool,
-    port: str | None, baud: int | None, progress: str,
+    port: str | None, baud: int | None, progress: str, vcd: Path | None,
 ) -> int:  # fmt: skip
     """Run a certified step stream on a board.
 
@@ -78,7 +82,7 @@ def run(
             package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
             override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
             trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted, port=port,
-            baud=baud, progress=progress,
+            baud=baud, progress=progress, vcd=vcd,
         )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gproof.backend.boards.board import MOVES_NOTHING, BoardError
+from gproof.backend.boards.board import EMULATOR, VIRTUAL, BoardError
 from gproof.backend.boards.registry import BOARDS, REAL
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
@@ -44,7 +44,7 @@ def run_list(as_json: bool) -> int:
 def _kind(name: str) -> str:
     if name in REAL:
         return "real"
-    return name if name in MOVES_NOTHING else "model"
+    return name if name in (VIRTUAL, EMULATOR) else "model"
 
 
 def _about(name: str) -> str:

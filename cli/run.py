@@ -17,7 +17,16 @@ from gproof.cli.run_progress import AUTO, Asking, Shown, shown
 from gproof.cli.signals import INTERRUPTED, ends_with_its_command
 from gproof.cli.telling import warn
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
-from gproof.driver.boards import plugged_in, require_for, require_port, unread, unusable_board, wiring_finding
+from gproof.driver.boards import (
+    plugged_in,
+    require_for,
+    require_pins,
+    require_port,
+    unread,
+    unusable_board,
+    wiring_finding,
+    with_pins,
+)
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
 from gproof.driver.key_ring import trusted_with
@@ -38,7 +47,7 @@ def run_run(
     override: float | None, ask: bool, runs: Path | None = None, after_interruption: bool = False,
     replace_record: bool = False, trust: tuple[Path, ...] = (), machine: Path | None = None, setup: str | None = None,
     source: Path | None = None, allow_untrusted: bool = False, port: str | None = None, baud: int | None = None,
-    progress: str = AUTO,
+    progress: str = AUTO, vcd: Path | None = None,
 ) -> int:  # fmt: skip
     """Check the package again, run it, print what came back; exit 0 only for a completed run.
 
@@ -46,6 +55,7 @@ def run_run(
     has to be believed, on a board that moves nothing. port, baud: where the board is, instead of where the machine file
     says. runs: where the journal is kept; after_interruption, replace_record: answers given beforehand
     (``run_journal.settled``, ``require_record_place``). progress: how it is shown (``run_progress.CHOICES``).
+    vcd: where the pins of a modelled board are written.
     """
     from gproof.backend.control import Control
     from gproof.backend.interrupts import interrupts
@@ -57,6 +67,7 @@ def run_run(
     require_file(path, "package")
     require_files(machine, setup, source)
     require_port(board, port, baud)
+    require_pins(board, vcd, path)
     replace = record is not None and require_record_place(record, path, replace_record)
     trusted = trusted_with(trust, warn)
     require_for(board, machine=machine, setup=setup, trusted=bool(trusted), allow_untrusted=allow_untrusted)
@@ -85,8 +96,12 @@ def run_run(
         done = _attempted(
             lambda: run(
                 package,
-                lambda: BOARDS[board](
-                    plugged_in(at_hand.machine or package.machine, port, baud), len(package.stream.motors), real_time
+                lambda: with_pins(
+                    BOARDS[board](
+                        plugged_in(at_hand.machine or package.machine, port, baud), len(package.stream.motors),
+                        real_time,
+                    ),
+                    vcd,
                 ),
                 operator=_operator(ask, board, show), on_moment=None if show is None else show.moment,
                 hold_at=None if hold_at is None else round(hold_at * frequency),

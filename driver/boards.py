@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from gproof.backend.boards.board import MOVES_NOTHING, BoardError
+from gproof.backend.boards.board import MODELLED, MOVES_NOTHING, Board, BoardError
 from gproof.backend.boards.registry import REAL
 from gproof.driver.errors import UsageError
+from gproof.driver.files import require_place
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Span
 from gproof.ir.machine import Machine
@@ -21,7 +22,7 @@ def require_for(
     if board in MOVES_NOTHING:
         return
     if allow_untrusted:
-        raise UsageError(f"--allow-untrusted works with --board {' and '.join(sorted(MOVES_NOTHING))} only")
+        raise UsageError(f"--allow-untrusted works with --board {', '.join(sorted(MOVES_NOTHING))} only")
     missing = [
         name
         for name, there in (
@@ -40,6 +41,27 @@ def require_port(board: str, port: str | None, baud: int | None) -> None:
     for option, given in (("--port", port), ("--baud", baud)):
         if given is not None and board not in REAL:
             raise UsageError(f"{option} is for boards on a port ({', '.join(sorted(REAL))}); {board} has none")
+
+
+def require_pins(board: str, vcd: Path | None, package: Path) -> None:
+    """UsageError for a waveform of a board that has no pins to show, and for where it cannot be written."""
+    if vcd is None:
+        return
+    if board not in MODELLED:
+        raise UsageError(f"--vcd is for modelled boards ({', '.join(MODELLED)}); {board} shows no pins")
+    require_place(vcd, "--vcd", (package,))
+
+
+def with_pins(board: Board, vcd: Path | None) -> Board:
+    """A board that writes its pins to a file; UsageError where that cannot be written."""
+    from gproof.backend.boards.models.model import ModelBoard
+
+    if vcd is not None and isinstance(board, ModelBoard):
+        try:
+            board.record_vcd(vcd)
+        except OSError as error:
+            raise UsageError(f"--vcd {vcd}: {error.strerror or error}") from None
+    return board
 
 
 def plugged_in(machine: Machine, port: str | None, baud: int | None) -> Machine:

@@ -17,8 +17,9 @@ from gproof.ir.columns import Columns
 from gproof.ir.record import record
 
 VIRTUAL, EMULATOR = "virtual", "emulator"
-MOVES_NOTHING = frozenset({VIRTUAL, EMULATOR})
-"""The boards that move nothing: one inside this process, and one in a process that this one starts itself. An emulator,
+PCI7200, FIFO_CPU, APCI8001 = MODELLED = "pci7200", "eding-cpu", "apci8001"
+MOVES_NOTHING = frozenset({VIRTUAL, EMULATOR, *MODELLED})
+"""The boards that move nothing: those inside this process, and one in a process that it starts itself. An emulator,
 model or simulator on a port that somebody names is a board as others: what hangs there is known to nobody here."""
 
 

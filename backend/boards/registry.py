@@ -42,8 +42,32 @@ def _klipper(machine: Machine, motors: int, real_time: bool) -> Board:
     return klipper_board(machine, motors)
 
 
+def _pci7200(machine: Machine, motors: int, real_time: bool) -> Board:
+    """Moves nothing: a model of the PCI-7200 timer card of WinCNC, with its pins (--vcd)."""
+    from gproof.backend.boards.models.pci7200 import Pci7200
+
+    return Pci7200.for_machine(machine, motors, real_time=real_time)
+
+
+def _fifo_cpu(machine: Machine, motors: int, real_time: bool) -> Board:
+    """Moves nothing: a model of a CPU of Eding CNC, with its pins (--vcd)."""
+    from gproof.backend.boards.models.segment_cpu import SegmentCpu
+
+    return SegmentCpu.for_machine(machine, motors, real_time=real_time)
+
+
+def _apci8001(machine: Machine, motors: int, real_time: bool) -> Board:
+    """Moves nothing: a model of the APCI-8001 of McuWIN, with its pins (--vcd)."""
+    from gproof.backend.boards.models.apci import ApciSpooler
+
+    return ApciSpooler.for_machine(machine, motors, real_time=real_time)
+
+
 BOARDS: dict[str, Maker] = {
     VIRTUAL: _virtual,
     EMULATOR: _emulator,
     KLIPPER: _klipper,
+    "pci7200": _pci7200,
+    "eding-cpu": _fifo_cpu,
+    "apci8001": _apci8001,
 }

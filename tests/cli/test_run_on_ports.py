@@ -123,7 +123,7 @@ def test_what_it_asks_for(shop: Shop, port: str) -> None:
     for more, why in (
         ((), "also needs --machine and --setup"),
         (("--machine", "machine.toml"), "also needs --setup"),
-        ((*HAND, "--allow-untrusted"), "works with --board emulator and virtual only"),
+        ((*HAND, "--allow-untrusted"), "works with --board apci8001, eding-cpu, emulator, pci7200, virtual only"),
     ):
         done = shop(*words, *more)
         assert (done.exit, done.err.count("\n")) == (3, 1) and why in done.err, done

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from gproof.backend.boards import run_kernels as rk
-from gproof.backend.boards.board import BoardError, BoardState, Capabilities
+from gproof.backend.boards.board import APCI8001, BoardError, BoardState, Capabilities
 from gproof.backend.boards.models.model import FIFO_RUNS, ModelBoard, capabilities, drives_of
 from gproof.backend.boards.models.pins import PinNames
 from gproof.backend.boards.simulated import Halt, HostDelay
@@ -36,7 +36,6 @@ FIGURES = {
 }
 """Figures of the manual, and its sections that have them."""
 
-NAME = "apci8001"
 OUTPUTS_OF_AXIS = 8
 """Outputs of one axis channel; the manual gives them two digits and no number of them."""
 
@@ -100,7 +99,7 @@ class ApciSpooler(ModelBoard):
             limits.append((None if low is None else math.floor(low) - 1, None if high is None else math.ceil(high) + 1))
             top = drive.max_acceleration
             known.append(None if top is None else float(top * abs(drive.steps_per_unit)))
-        is_ = capabilities(machine, NAME, motors, fifo_runs=FIFO_RUNS, real_time=real_time)
+        is_ = capabilities(machine, APCI8001, motors, fifo_runs=FIFO_RUNS, real_time=real_time)
         return cls(is_, limits=limits, accelerations=known)
 
     def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:

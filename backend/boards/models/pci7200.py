@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-from gproof.backend.boards.board import BoardState, Capabilities
+from gproof.backend.boards.board import PCI7200, BoardError, BoardState, Capabilities
 from gproof.backend.boards.models.model import FIFO_RUNS, ModelBoard, capabilities
 from gproof.backend.boards.models.pins import PinNames
 from gproof.backend.boards.simulated import HostDelay
@@ -35,7 +35,6 @@ FIGURES = {
 }
 """Figures of the manual, and its settings and sections that have them."""
 
-NAME = "pci7200"
 TIMER = 4_000_000
 """Hz of the card's clock."""
 STEP_OUTPUTS = 6
@@ -57,7 +56,7 @@ def pin_names(specs: Sequence[AxisSpec], quadrature: bool = False) -> PinNames:
     """Names of the pins; ValueError for a bit that the port does not have, or has twice. Channels have no edge (E)."""
     for what, bits in (("step", [s.step for s in specs]), ("direction", [s.direction for s in specs])):
         if len(set(bits)) != len(bits) or not all(0 <= bit < STEP_OUTPUTS for bit in bits):
-            raise ValueError(f"{what} bits {bits}: port 0 has one of each number from 0 to {STEP_OUTPUTS - 1}")
+            raise BoardError(f"{what} bits {bits}: port 0 has one of each number from 0 to {STEP_OUTPUTS - 1}")
     step, direction = tuple(f"P0S{s.step}" for s in specs), tuple(f"P0D{s.direction}" for s in specs)
     low = {name for name, s in zip(step, specs, strict=True) if not (s.rising or quadrature)}
     low |= {name for name, s in zip(direction, specs, strict=True) if not s.forward}
@@ -84,7 +83,7 @@ class Pci7200(ModelBoard):
         speed: float = 1.0,
     ) -> None:
         if is_.motors > STEP_OUTPUTS:
-            raise ValueError(f"{is_.motors} motors, the card has {STEP_OUTPUTS} step outputs")
+            raise BoardError(f"{is_.motors} motors, the card has {STEP_OUTPUTS} step outputs")
         specs = specs or [AxisSpec(step=m, direction=m) for m in range(is_.motors)]
         grid = max(1, -(-is_.tick_frequency // TIMER))
         super().__init__(is_, pin_names(specs, quadrature), grid=grid, quadrature=quadrature, delay=delay, speed=speed)
@@ -95,7 +94,7 @@ class Pci7200(ModelBoard):
         """A board with the pulses of a machine file, and the cushions that a WINCNC.INI has."""
         stated = {name.rstrip("=").lower(): text for name, text in machine.kept}
         return cls(
-            capabilities(machine, NAME, motors, fifo_runs=FIFO_RUNS, real_time=real_time),
+            capabilities(machine, PCI7200, motors, fifo_runs=FIFO_RUNS, real_time=real_time),
             quadrature=_whole(stated, "quadmode") == 1,
             esc_step=_whole(stated, "esc_step"), lim_step=_whole(stated, "lim_step"),
         )  # fmt: skip

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from gproof.backend.boards import run_kernels as rk
-from gproof.backend.boards.board import BoardState, Capabilities
+from gproof.backend.boards.board import FIFO_CPU, BoardError, BoardState, Capabilities
 from gproof.backend.boards.models.model import FIFO_RUNS, ModelBoard, capabilities, drives_of
 from gproof.backend.boards.models.pins import PinNames
 from gproof.backend.boards.simulated import Halt, HostDelay
@@ -29,7 +29,6 @@ FIGURES = {
 }
 """Figures of the manual, and its sections that have them."""
 
-NAME = "eding-cpu"
 INTERPOLATION, LEAST_INTERPOLATION, FIFO = 0.005, 0.0025, 0.25
 OUTPUTS = ("TOOL", "TOOL_DIR", "MIST", "FLOOD", *(f"AUX{n}" for n in range(1, 10)))
 
@@ -53,7 +52,7 @@ class SegmentCpu(ModelBoard):
     ) -> None:
         least = int(LEAST_INTERPOLATION * is_.tick_frequency)
         if segment < max(1, least) or places < 1:
-            raise ValueError(f"segments of {segment} ticks, {places} in the FIFO: at least {least} ticks and 1")
+            raise BoardError(f"segments of {segment} ticks, {places} in the FIFO: at least {least} ticks and 1")
         motors = range(is_.motors)
         names = PinNames(
             step=tuple(f"STEP{m + 1}" for m in motors), direction=tuple(f"DIR{m + 1}" for m in motors), outputs=OUTPUTS
@@ -75,7 +74,7 @@ class SegmentCpu(ModelBoard):
             for drive in drives_of(machine, motors)
         ]  # fmt: skip
         return cls(
-            capabilities(machine, NAME, motors, fifo_runs=FIFO_RUNS, real_time=real_time),
+            capabilities(machine, FIFO_CPU, motors, fifo_runs=FIFO_RUNS, real_time=real_time),
             segment=round(segment * frequency), places=max(1, round(controller.fifo_time / segment)),
             accelerations=known,
         )  # fmt: skip

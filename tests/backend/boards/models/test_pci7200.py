@@ -9,7 +9,7 @@ import pytest
 from backend.boards.models.waveform import Waveform, read, steps
 from backend.streams import runs_of
 
-from gproof.backend.boards.board import BoardState, Capabilities, Known
+from gproof.backend.boards.board import BoardError, BoardState, Capabilities, Known
 from gproof.backend.boards.models.pci7200 import AxisSpec, Pci7200
 from gproof.ir.machine import Axis, AxisKind, Board, Controller, Machine
 from gproof.ir.trace import Op
@@ -57,9 +57,9 @@ def test_bits_and_levels_of_axisspec(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("specs", [[(6, 0), (1, 1)], [(0, 0), (0, 1)], [(0, 3), (1, 3)]])
 def test_bits_that_the_port_does_not_have(specs: list[tuple[int, int]]) -> None:
-    with pytest.raises(ValueError, match="port 0 has one of each"):
+    with pytest.raises(BoardError, match="port 0 has one of each"):
         Pci7200(IS, [AxisSpec(step=s, direction=d) for s, d in specs])
-    with pytest.raises(ValueError, match="6 step outputs"):
+    with pytest.raises(BoardError, match="6 step outputs"):
         Pci7200(
             Capabilities(name="p", motors=7, tick_frequency=FREQUENCY, fifo_runs=64, step_pulse=1, direction_setup=1)
         )

@@ -10,7 +10,7 @@ from backend.boards.models.waveform import read, steps
 from backend.streams import machine as machine_of
 from backend.streams import runs_of
 
-from gproof.backend.boards.board import BoardState, Capabilities, Known
+from gproof.backend.boards.board import BoardError, BoardState, Capabilities, Known
 from gproof.backend.boards.models.segment_cpu import SegmentCpu
 from gproof.backend.boards.simulated import HostDelay
 from gproof.ir.trace import Op
@@ -166,5 +166,5 @@ def test_a_cpu_of_a_machine_file() -> None:
     # 200 steps/mm; 1 MHz: segments of 5,000 ticks, 50 of them; 100 kHz: 10 ticks, of which rounding may take one.
     assert (board.segment, board.places, board.accelerations) == (5000, 50, (120_000.0, 120_000.0))
     assert found.min_interval == 9
-    with pytest.raises(ValueError, match="at least 40000 ticks"):
+    with pytest.raises(BoardError, match="at least 40000 ticks"):
         made(segment=39_999)
