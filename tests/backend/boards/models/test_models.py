@@ -88,7 +88,7 @@ def widths(wave: Waveform, board: ModelBoard) -> set[int]:
 
 
 @pytest.mark.parametrize("name", MAKERS)
-@examples(25, 2000)
+@examples(12, 2000)
 @given(section=sections(least=LEAST, most=6000), pauses=st.lists(st.integers(1, 9000), max_size=8))
 def test_pins_are_the_stream(name: str, section: StreamSection, pauses: list[int]) -> None:
     with tempfile.TemporaryDirectory() as folder:
@@ -116,7 +116,7 @@ def test_pins_are_the_stream(name: str, section: StreamSection, pauses: list[int
 
 
 @pytest.mark.parametrize("name", MAKERS)
-@examples(25, 2000)
+@examples(12, 2000)
 @given(section=sections(least=LEAST, most=6000), tick=st.integers(0, 60_000))
 def test_a_stop_leaves_the_steps_that_the_pins_had(name: str, section: StreamSection, tick: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
@@ -140,7 +140,7 @@ def test_a_stop_leaves_the_steps_that_the_pins_had(name: str, section: StreamSec
         assert status.steps[m] == len(found)
 
 
-@examples(25, 2000)
+@examples(12, 2000)
 @given(section=sections(least=LEAST, most=6000), pauses=st.lists(st.integers(1, 9000), max_size=8))
 def test_quadrature_is_the_stream(section: StreamSection, pauses: list[int]) -> None:
     with tempfile.TemporaryDirectory() as folder:
@@ -157,6 +157,7 @@ def test_quadrature_is_the_stream(section: StreamSection, pauses: list[int]) -> 
         assert turns(wave, f"P0S{m}", f"P0D{m}") == motor
 
 
+@examples(20, 1000)
 @given(sections(motors=2, least=LEAST), st.lists(st.integers(1, 9000), min_size=1, max_size=6), st.booleans())
 def test_the_kernel_is_the_same_in_both_speeds(section: StreamSection, pauses: list[int], quadrature: bool) -> None:
     rings = np.zeros((2, 16, 4), dtype=np.int64)
