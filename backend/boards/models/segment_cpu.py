@@ -19,13 +19,14 @@ from gproof.ir.machine import Machine
 from gproof.ir.trace import Op
 
 FIGURES = {
-    "segments of InterpolationTime, 0.005 s, at least 0.0025 s": "2.1.5: InterpolationTime and FifoTime",
-    "FIFO of FifoTime / InterpolationTime segments, 0.25 s: 50": "2.1.5: InterpolationTime and FifoTime",
-    "a FIFO that runs empty is an error": "2.1.5: FIFO UNDERRUN ERROR",
-    "step frequency of at most 125 kHz, 90 kHz for some drives": "2.1.1: Max Step Frequency",
-    "smooth stop: speed ramps down, no position is lost": "2.1.3: ExtErrInputSenseLevel; 2.5: action 2",
-    "quick stop: at once, the position may be lost": "2.5: action 3; 2.1.3: EStopInputSenseLevel",
-    "outputs AUX1 to AUX9, tool and its direction, mist, flood": "3.4.13: M54, M55; 2.5",
+    "segments of InterpolationTime, 0.005 s, at least 0.0025 s": "2.1.6: InterpolationTime and FifoTime",
+    "FIFO of FifoTime / InterpolationTime segments, 0.25 s: 50": "2.1.6: InterpolationTime and FifoTime",
+    "a FIFO that runs empty is an error": "2.1.6: FIFO underrun error",
+    "step frequency of at most 125 kHz, 90 kHz for some drives": "2.1.2: Max Step Frequency",
+    "smooth stop: speed ramps down, no position is lost": "2.1.4: ExtErrInputSenseLevel; IO setup, GPIO rules, 2",
+    "quick stop: at once, the position may be lost": "IO setup, GPIO rules, 3",
+    "E-stop inputs": "2.1.4: EStopInputSenseLevel1 and 2",
+    "outputs AUX1 to AUX9, tool and its direction, mist, flood": "3.5: M54, M55; spindle setup",
 }
 """Figures of the manual, and its sections that have them."""
 

@@ -44,7 +44,9 @@ class VcdRecorder:
 
         unit, self._ticks = time_unit(tick_frequency)
         self._file: IO[str] = path.open("w", encoding="ascii", newline="\n")
-        self._writer = VCDWriter(self._file, timescale=unit, date="", comment=f"{tick_frequency} Hz", check_values=False)
+        self._writer = VCDWriter(
+            self._file, timescale=unit, date="", comment=f"{tick_frequency} Hz", check_values=False
+        )
         self._pins: list[Variable[str]] = [
             self._writer.register_var(board, name, "wire", size=1, init=level)
             for name, level in zip(names.all, idle, strict=True)
