@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.backend.boards.registry import BOARDS
 from gproof.cli.run_progress import AUTO, Asking, Shown, shown
 from gproof.cli.signals import INTERRUPTED, ends_with_its_command
 from gproof.cli.telling import warn
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
 from gproof.driver.boards import (
+    made,
     plugged_in,
     require_for,
     require_pins,
@@ -25,7 +25,6 @@ from gproof.driver.boards import (
     unread,
     unusable_board,
     wiring_finding,
-    with_pins,
 )
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
@@ -53,9 +52,8 @@ def run_run(
 
     trust, machine, setup, source: whom to believe besides the own keys, and what is at hand; allow_untrusted: nobody
     has to be believed, on a board that moves nothing. port, baud: where the board is, instead of where the machine file
-    says. runs: where the journal is kept; after_interruption, replace_record: answers given beforehand
-    (``run_journal.settled``, ``require_record_place``). progress: how it is shown (``run_progress.CHOICES``).
-    vcd: where the pins of a modelled board are written.
+    says. vcd: for a modelled board's pins. runs: where the journal is kept; after_interruption, replace_record: answers
+    given beforehand (``run_journal.settled``, ``require_record_place``). progress: how it is shown (``run_progress``).
     """
     from gproof.backend.control import Control
     from gproof.backend.interrupts import interrupts
@@ -96,12 +94,9 @@ def run_run(
         done = _attempted(
             lambda: run(
                 package,
-                lambda: with_pins(
-                    BOARDS[board](
-                        plugged_in(at_hand.machine or package.machine, port, baud), len(package.stream.motors),
-                        real_time,
-                    ),
-                    vcd,
+                lambda: made(
+                    board, plugged_in(at_hand.machine or package.machine, port, baud), len(package.stream.motors),
+                    real_time, vcd,
                 ),
                 operator=_operator(ask, board, show), on_moment=None if show is None else show.moment,
                 hold_at=None if hold_at is None else round(hold_at * frequency),

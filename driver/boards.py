@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from gproof.backend.boards.board import MODELLED, MOVES_NOTHING, Board, BoardError
-from gproof.backend.boards.registry import REAL
+from gproof.backend.boards.registry import BOARDS, REAL
 from gproof.driver.errors import UsageError
 from gproof.driver.files import require_place
 from gproof.ir import codes
@@ -52,11 +52,13 @@ def require_pins(board: str, vcd: Path | None, package: Path) -> None:
     require_place(vcd, "--vcd", (package,))
 
 
-def with_pins(board: Board, vcd: Path | None) -> Board:
-    """A board that writes its pins to a file; UsageError where that cannot be written."""
-    from gproof.backend.boards.models.model import ModelBoard
+def made(name: str, machine: Machine, motors: int, real_time: bool, vcd: Path | None) -> Board:
+    """A board, which writes its pins to a file if one is given; UsageError where that cannot be written."""
+    board = BOARDS[name](machine, motors, real_time)
+    if vcd is not None:
+        from gproof.backend.boards.models.model import ModelBoard
 
-    if vcd is not None and isinstance(board, ModelBoard):
+        assert isinstance(board, ModelBoard)
         try:
             board.record_vcd(vcd)
         except OSError as error:
