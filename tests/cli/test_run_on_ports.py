@@ -6,6 +6,7 @@ import json
 import os
 import pty
 import random
+import re
 import select
 import signal
 import subprocess
@@ -109,6 +110,31 @@ def test_the_emulator_is_started_and_ended(shop: Shop) -> None:
     told = json.loads((shop.folder / "emulated.json").read_text())
     assert (told["board"]["name"], told["position"]) == ("emulator", [50, 50])
     assert _children() == []
+
+
+@pytest.mark.parametrize(
+    ("board", "pin", "level"), [("pci7200", "P0S0", 0), ("eding-cpu", "STEP1", 1), ("apci8001", "STEP1", 1)]
+)
+def test_a_modelled_board_writes_its_pins(shop: Shop, board: str, pin: str, level: int) -> None:
+    place = shop.folder / f"{board}.vcd"
+    done = shop("run", "made.gpx", "--board", board, "--vcd", place.name, "--record", f"{board}.json")
+    assert done.exit == 0, done
+    told = json.loads((shop.folder / f"{board}.json").read_text())
+    assert (told["board"]["name"], told["steps"], told["position"]) == (board, [150, 50], [50, 50])
+    name = re.search(rf"\$var wire 1 (\S+) {pin} ", place.read_text()).group(1)
+    changes = place.read_text().split("$dumpvars", 1)[1].split("$end", 1)[1].splitlines()
+    assert changes.count(f"{level}{name}") == 150
+
+
+def test_where_pins_cannot_be_written(shop: Shop) -> None:
+    for words, why in (
+        (("virtual", "--vcd", "a.vcd"), "--vcd is for modelled boards (pci7200, eding-cpu, apci8001)"),
+        (("pci7200", "--vcd", "nowhere/a.vcd"), "no such folder"),
+        (("pci7200", "--vcd", "made.gpx"), "would overwrite an input"),
+        (("apci8001", "--port", "COM3"), "--port is for boards on a port"),
+    ):
+        done = shop("run", "made.gpx", "--board", *words)
+        assert (done.exit, done.err.count("\n")) == (3, 1) and why in done.err, done
 
 
 def test_a_board_on_a_port(shop: Shop, port: str) -> None:
