@@ -19,13 +19,18 @@ from gproof.ir.stream import StreamSection
 
 _LONG_AGO = -(2**62)
 
+WINDOW, LEAST_SPARE = 0.25, 0.01
+"""Seconds before a message is due over which the steps count that the board makes meanwhile; the part of its processor
+that they leave at least."""
+
 
 @record(frozen=True, slots=True, kw_only=True)
 class Link:
     """Between host and board. rate: bytes a second, 0: no limit is known; sizes: (motor, runs) -> bytes of each at
     most; event_bytes: of one event at most; places: runs and events that the board stores. In ticks: latency: from the
     end of sending until it is stored; ahead: what the host sends ahead at most; turn: at most between two looks of the
-    host for what can be sent."""
+    host for what can be sent. run_ticks, step_ticks: what the board's processor takes for a message and for a step, 0
+    where it states nothing."""
 
     tick_frequency: int
     rate: float
@@ -35,6 +40,8 @@ class Link:
     latency: int
     ahead: int
     turn: int
+    run_ticks: int = 0
+    step_ticks: int = 0
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -66,7 +73,7 @@ def link_plan(section: StreamSection, link: Link) -> LinkPlan:
     if not len(due):
         return LinkPlan(lead=link.latency + link.turn, slack=link.ahead, shortage=None)
     motors = len(section.runs)
-    on_wire = _ticks_on_wire(size, link, motors * int(size.max()))
+    on_wire = np.maximum(_ticks_on_wire(size, link, motors * int(size.max())), _ticks_of_processor(due, section, link))
     passed = np.cumsum(on_wire)
     before = passed - on_wire
     # What has ended by the time that a message is due was due before it: it counts all that it may count, where nothing
@@ -128,4 +135,18 @@ def _ticks_on_wire(size: Ints, link: Link, cuts: int) -> Ints:
     if rate <= 0:
         return np.full(len(size), 2**31, dtype=np.int64)
     found: Ints = np.ceil(size * (link.tick_frequency / rate)).astype(np.int64)
+    return found
+
+
+def _ticks_of_processor(due: Ints, section: StreamSection, link: Link) -> Ints:
+    """How long the board works at each message beside the steps that it makes while the message comes."""
+    if not link.run_ticks:
+        return np.zeros(len(due), dtype=np.int64)
+    window = max(1, min(link.ahead, int(WINDOW * link.tick_frequency)))
+    steps = np.zeros(len(due))
+    for runs in section.runs:
+        ticks, made = np.r_[0, ends(runs)], np.r_[0, np.cumsum(runs["count"], dtype=np.int64)]
+        steps += np.interp(due, ticks, made) - np.interp(due - window, ticks, made)
+    spare = np.maximum(LEAST_SPARE, 1 - steps * link.step_ticks / window)
+    found: Ints = np.ceil(link.run_ticks / spare).astype(np.int64)
     return found

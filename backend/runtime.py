@@ -420,6 +420,7 @@ class _Walk:
         link = Link(
             tick_frequency=ticks, rate=is_.link_rate, sizes=self.board.wire_bytes, event_bytes=is_.event_bytes,
             places=is_.fifo_runs, latency=int(LATENCY * ticks), ahead=self._lookahead(is_), turn=int(SLICE * ticks),
+            run_ticks=is_.run_ticks, step_ticks=is_.step_ticks,
         )  # fmt: skip
         return link_plan(replace(section, runs=tuple(as_sent(runs, words) for runs in section.runs)), link)
 

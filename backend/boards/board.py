@@ -87,8 +87,9 @@ class Capabilities:
     step_pulse, direction_setup: ticks; max_count: steps in one run; max_add, max_interval:
     the greatest growth of its intervals, signs aside, and the longest interval, ticks; max_rest: the longest interval
     of a run of one step (0: as of others); min_interval: the shortest time between two steps of a motor that it makes
-    (0: any); real_time: its clock follows ours; step_rate: steps a second of all motors
-    together that it makes on their ticks (0: no limit is known); link_rate: bytes a second to it (0: no
+    (0: any); real_time: its clock follows ours; step_rate: steps a second of all motors together that it makes on
+    their ticks (0: no limit is known); step_ticks, run_ticks: what its processor takes for a step and for a run that
+    comes (0: not known); link_rate: bytes a second to it (0: no
     limit is known); event_bytes: of an event on it, at most; watched: it watches the host's promises; identity,
     firmware: what tells it from others, and the version it runs; motor_names: those of the motors that are wired, in
     order, none where any will do; acts_alone: it carries out every event, False: those that the machine file has pins
@@ -110,6 +111,8 @@ class Capabilities:
     real_time: bool = True
     link_rate: int = 0
     step_rate: int = 0
+    step_ticks: int = 0
+    run_ticks: int = 0
     event_bytes: int = 0
     watched: bool = True
     identity: str = ""

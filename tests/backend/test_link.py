@@ -172,3 +172,16 @@ def test_runs_are_no_longer_on_the_line_than_was_said(rows: list[tuple[int, int,
             messages.append(("set_next_step_dir", {"oid": 3, "dir": 1}))
         before = direction
         assert sum(len(DICTIONARY.commands[name].encoded(fields)) for name, fields in messages) < most
+
+
+def test_a_processor_that_is_busy_with_steps_takes_runs_more_slowly() -> None:
+    """40 runs of 5 steps, each 20 ticks long, no wire: 200 steps of 2 ticks in 800 are half of the processor's time, so
+    that a message of 8 ticks takes 16, in time; one of 12 takes 24, too long for runs 20 ticks apart."""
+    steps = section([(4, 5)] * 400)
+    fast = link(rate=0.0, ahead=200, places=1000, run_ticks=8, step_ticks=2)
+    assert link_plan(steps, fast).shortage is None
+    slow = replace(fast, run_ticks=12)
+    found = link_plan(steps, slow).shortage
+    assert found is not None and found.late > 0 and not found.places
+    # With hardly a step it is in time: a run each 20 ticks, 12 of them for the message.
+    assert link_plan(section([(20, 1)] * 400), replace(slow, step_ticks=0)).shortage is None

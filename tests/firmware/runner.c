@@ -110,8 +110,9 @@ static size_t waits_from, waits_to;
 
 static void look_at_terminal(void)
 {
-    if (waits_from == waits_to)
-        waits_from = waits_to = 0;
+    memmove(waiting, waiting + waits_from, waits_to - waits_from);
+    waits_to -= waits_from;
+    waits_from = 0;
     do {
         ssize_t count = read(terminal, waiting + waits_to, sizeof waiting - waits_to);
         if (count > 0)

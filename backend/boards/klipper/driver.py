@@ -149,6 +149,8 @@ class KlipperBoard:
             real_time=True,
             link_rate=self._baud // 10,
             step_rate=live.step_rate,
+            step_ticks=live.step_ticks,
+            run_ticks=live.run_ticks,
             event_bytes=MOST_EVENT * max(1, len(self._wiring.outputs)),
             watched=live.certified,
             identity=str(dictionary.constants.get("MCU", "")),

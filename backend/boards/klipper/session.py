@@ -45,8 +45,9 @@ ANSWERS = {
 EXTENSION, VERSION = "GPROOF_CERT", 1
 """The constant by which firmware says that it has the certification extension, and the version that is known here."""
 
-STEP_RATE = "GPROOF_STEP_RATE"
-"""The constant by which firmware says how many steps a second of all motors together it makes on their ticks."""
+STEP_RATE, STEP_TICKS, RUN_TICKS = "GPROOF_STEP_RATE", "GPROOF_STEP_TICKS", "GPROOF_RUN_TICKS"
+"""Constants by which firmware says how many steps a second of all motors together it makes on their ticks, and how many
+ticks its processor takes for a step and for a run that comes."""
 
 CERTIFIED = {
     "cert_begin": ("identity",),
@@ -92,16 +93,16 @@ class Session:
         self.shutdown: tuple[Answer, str] | None = None
         self.was_reset = False
         self.certified = False
+        self.step_rate = self.step_ticks = self.run_ticks = 0
         self._polled = 0.0
 
     def now(self) -> float:
         """Host seconds."""
         return self.link.line.now()
 
-    @property
-    def step_rate(self) -> int:
-        """Steps a second that the firmware states; 0 where it states none."""
-        stated = self.link.dictionary.constants.get(STEP_RATE)
+    def _stated(self, constant: str) -> int:
+        """A number above 0 that the firmware states; 0 where it states none."""
+        stated = self.link.dictionary.constants.get(constant)
         return stated if isinstance(stated, int) and stated > 0 else 0
 
     def reach(self) -> None:
@@ -113,6 +114,7 @@ class Session:
         if extension not in (None, VERSION):
             raise DictionaryError(f"the firmware has version {extension} of the extension, and {VERSION} is known here")
         self.certified = extension == VERSION
+        self.step_rate, self.step_ticks, self.run_ticks = map(self._stated, (STEP_RATE, STEP_TICKS, RUN_TICKS))
         needed = NEEDED | (OUTPUTS if self.wiring.outputs else {}) | (CERTIFIED if self.certified else {})
         for name, fields in needed.items():
             dictionary.command(name, fields)
