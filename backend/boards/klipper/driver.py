@@ -146,7 +146,6 @@ class KlipperBoard:
             max_add=MOST_ADD,
             max_interval=LONGEST,
             max_rest=LONGEST_REST,
-            real_time=True,
             link_rate=self._baud // 10,
             step_rate=live.step_rate,
             step_ticks=live.step_ticks,
