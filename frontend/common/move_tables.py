@@ -67,6 +67,12 @@ def simple_lines(words: Columns, firsts: Array, letters: MoveLetters) -> Array:
     return whole
 
 
+def _says_motion(words: Columns) -> bool:
+    """Whether the first line has a code; looked up without going through the others, which are tried one by one."""
+    first = int(np.searchsorted(words["line"], words["line"][0], "right"))
+    return bool((words["letter"][:first] == _CODE).any())
+
+
 def moves_of(
     words: Columns, modes: Modes, letters: MoveLetters, file: int, span: Span
 ) -> tuple[Moves, int, int] | None:
@@ -74,6 +80,11 @@ def moves_of(
 
     The table ends before a line that the motion in force makes no row: no motion yet, or an arc without a centre.
     """
+    now = modes.motion
+    assert isinstance(now, int)
+    start = now // 10 if now % 10 == 0 and now // 10 <= 3 else -1
+    if start < 0 and not _says_motion(words):
+        return None
     firsts = first_words(words)
     letter, value = words["letter"], words["value"]
     rows = len(firsts)
@@ -83,10 +94,7 @@ def moves_of(
     is_code = letter == _CODE
     code[row[is_code]] = value[is_code].astype(np.int64)
     given = np.flatnonzero(code >= 0)
-    now = modes.motion
-    assert isinstance(now, int)
-    start = now // 10 if now % 10 == 0 else -1
-    filled = np.full(rows, start if 0 <= start <= 3 else -1, np.int64)
+    filled = np.full(rows, start, np.int64)
     if len(given):
         place = np.searchsorted(given, np.arange(rows), "right") - 1
         inside = place >= 0

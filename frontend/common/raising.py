@@ -68,6 +68,8 @@ from gproof.ir.program import (
 from gproof.ir.rules import CodeRule
 
 PIECE_BYTES = 1 << 22
+FEW_ROWS = 16
+"""Rows that are tried as a table after one that ended early."""
 MOST_PASSES = 20
 """Over a loop or a list with jumps until its modes are settled: each pass loses a mode at least."""
 
@@ -259,6 +261,7 @@ class Raiser:
         simple = self.simple_rows(words, firsts)
         numbers = words["line"][firsts]
         at, count = 0, len(firsts)
+        most = count
         while at < count:
             line = int(numbers[at])
             found += self.comments.before(name, line)
@@ -270,9 +273,12 @@ class Raiser:
                 if following is not None:
                     # A comment at the end of a line comes after its move.
                     stop = min(stop, max(at + 1, int(np.searchsorted(numbers, following, "right"))))
+                stop = min(stop, at + most)
                 last = int(firsts[stop]) if stop < count else len(words)
                 part = words.slice(int(firsts[at]), last)
                 taken = self.moves(part, file, Span(name, line))
+                # Lines that were looked at and not taken are few, however often that happens.
+                most = max(FEW_ROWS, 4 * taken[2]) if taken is not None else FEW_ROWS
                 if taken is not None:
                     moves, motion, lines = taken
                     self.moved(motion)

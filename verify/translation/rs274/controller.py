@@ -409,6 +409,16 @@ class Controller:
             last["feed"][0] = feed * length if forms == self.rows.forms else NAN
             self.feed = NAN
 
+    def straight_moves(self, codes: list[int], tables: list[Any], line: int) -> None:
+        """Moves of one line, G0 or G1, in millimetres or inches a minute."""
+        count = len(codes)
+        zero = [self.zeros.zero(axis) for axis in range(6)]
+        try:
+            go(self.rows, zero, self.manner(), np.full(count, line), np.array(codes), np.stack(tables),
+               np.full(count, NAN), np.full(count, self.feed))  # fmt: skip
+        except Unread as found:
+            raise Unread(found.why) from found
+
     def _probe(self, words: Words, line: int) -> None:
         """G38.2: the axes that move have gone some way from where they were when the probe touches."""
         self._still()

@@ -45,8 +45,8 @@ class Driller(Protocol):
     def here(self, axis: int) -> Place:
         """Where an axis is."""
 
-    def one_move(self, code: int, line: int, manner: Manner, table: Any) -> None:
-        """A straight move."""
+    def straight_moves(self, codes: list[int], tables: list[Any], line: int) -> None:
+        """Moves of one line."""
 
     def event(self, op: Op, line: int, first: float = 0.0) -> None:
         """Something between moves."""
@@ -84,10 +84,20 @@ def drill(now: Driller, words: Words, line: int) -> None:
         raise Unread("a hole whose bottom is above its top")
     clear = max(top, series.height) if now.initial else top
 
+    codes: list[int] = []
+    tables: list[Any] = []
+
     def along(code: int, target: float) -> None:
         table = np.full(9, math.nan)
         table[2] = target / manner.unit
-        now.one_move(code, line, now.manner(), table)
+        codes.append(code)
+        tables.append(table)
+
+    def go() -> None:
+        """What was gathered; before something else happens."""
+        now.straight_moves(codes, tables, line)
+        codes.clear()
+        tables.clear()
 
     if height < top - SAME:
         along(0, top)
@@ -98,17 +108,21 @@ def drill(now: Driller, words: Words, line: int) -> None:
         if value is not None:
             table[column] = value
     if not np.isnan(table).all():
-        now.one_move(0, line, manner, table)
+        codes.append(0)
+        tables.append(table)
     if height > top + SAME:
         along(0, top)
     along(1, bottom)
     if "P" in wanted:
+        go()
         now.event(Op.DWELL, line, series.kept["P"])
     turning = now.direction
     if code == 860:
         if not turning:
             raise Unread("G86 with a spindle that does not turn")
+        go()
         now.turn(0, line)
     along(0, clear)
+    go()
     if code == 860:
         now.turn(turning, line)
