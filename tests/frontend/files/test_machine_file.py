@@ -437,7 +437,7 @@ def loaded_text(folder: Path, text: str) -> tuple[Machine | None, list[tuple[int
         ("[axes.x]\nmn = 0\n", "did you mean 'min'?"),
         ("[tools.1]\ndiamter = 3\n", "did you mean 'diameter'?"),
         ("[axes.x]\nmin = 0\nmim = 0\n", "did you mean 'min', which is there too?"),
-        ("[knife]\nspeed = 1\n", "use one of these keys: angle, axis, blend_angle, blend_distance, lift"),
+        ("[knife]\nsharpness = 1\n", "use one of these keys: angle, axis, blend_angle, blend_distance, lift"),
     ],
 )
 def test_a_key_that_is_nearly_one_says_which(tmp_path: Path, text: str, hint: str) -> None:
