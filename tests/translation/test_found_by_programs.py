@@ -326,6 +326,13 @@ LINES = {
         ["G92 X-5", "G55", "G92 X-5"],
         [],
     ),
+    "G86 rests at the bottom, stops the spindle and goes up (Eding 3.4.21.9; LinuxCNC G86)": (
+        "eding",
+        "linuxcnc",
+        "F100\nG0 X0 Y0 Z10\nS1000 M3\nG99 G86 X1 Y1 Z-5 R2 P0.5\nX2\nG80\nM5\nM30\n",
+        ["G99 G86 X1 Y1 Z-5 R2 P0.5", "X2"],
+        [],
+    ),
 }
 """By what it is about: from, to, the program after its first lines, lines in their order, lines that are not there."""
 

@@ -95,7 +95,8 @@ def drill(now: Driller, words: Words, line: int) -> None:
 
     def go() -> None:
         """What was gathered; before something else happens."""
-        now.straight_moves(codes, tables, line)
+        if codes:
+            now.straight_moves(codes, tables, line)
         codes.clear()
         tables.clear()
 
