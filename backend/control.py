@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import TypeVar
 
 T = TypeVar("T")
 
+LEAST_FACTOR, GREATEST_FACTOR = Fraction(1, 10), Fraction(1)
+"""Feed overrides: more than the planned speed would need a new plan."""
+
 
 class Control:
-    """Feed hold and emergency stop, requested at any moment and heard by the runtime at the next.
+    """Feed hold, feed override and emergency stop, requested at any moment and heard by the runtime at the next.
 
     ``began``: the run has started; signalled: a signal interrupted it; ending: why it ends at the next rest, or empty.
     """
@@ -22,6 +26,7 @@ class Control:
         self.began = False
         self.signalled = False
         self.ending = ""
+        self._override: Fraction | None = None
 
     def hold(self) -> None:
         """Request a feed hold."""
@@ -30,6 +35,17 @@ class Control:
     def stop(self) -> None:
         """Request an emergency stop."""
         self._stop = True
+
+    def override(self, factor: float | Fraction) -> Fraction:
+        """Request another part of the planned speed, from where nothing was sent yet; what it is, within 0.1 to 1."""
+        wanted = Fraction(factor).limit_denominator(1000)
+        self._override = min(max(wanted, LEAST_FACTOR), GREATEST_FACTOR)
+        return self._override
+
+    @property
+    def override_asked(self) -> Fraction | None:
+        """The override that was requested last; None: none was."""
+        return self._override
 
     def interrupt(self) -> None:
         """For signal handlers: a feed hold the first time, then an emergency stop.

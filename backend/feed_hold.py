@@ -146,6 +146,19 @@ def hold(
     return Hold(build.done(), begins, rest)
 
 
+def ramp_to(
+    build: MapBuilder, section: StreamSection, motors: tuple[Motor, ...], machine: Machine, tick_frequency: int,
+    *, rate: float, goal: float, margin: float,
+) -> None:  # fmt: skip
+    """From where a map ends, at ``rate`` of the planned speed, go on until it is ``goal``, or to the last step."""
+    begin = build.source[-1]
+    last = max((done_by(runs, 2**62).last for runs in section.runs), default=0)
+    if rate == goal or begin >= last:
+        return
+    motion = _Motion(section, motors, machine, tick_frequency)
+    _ramp(build, motion, _Ramp(begin, last, rate * rate, 1.0 if goal > rate else -1.0, margin, goal * goal))
+
+
 @record(frozen=True, slots=True)
 class _Ramp:
     """From tick ``begin`` at the latest to ``end``; q starts at ``q`` and moves in the direction of ``sign``."""
@@ -155,13 +168,14 @@ class _Ramp:
     q: float
     sign: float
     margin: float
+    goal: float | None = None
 
 
 def _ramp(build: MapBuilder, motion: _Motion, ramp: _Ramp) -> None:
-    """Draw q until it reaches 0 or 1 or the last step."""
+    """Draw q until it reaches its goal (0 or 1 where it has no other) or the last step."""
     line = _Line(build, motion.frequency)
     q, at = ramp.q, float(ramp.begin)
-    goal = 0.0 if ramp.sign < 0 else 1.0
+    goal = (0.0 if ramp.sign < 0 else 1.0) if ramp.goal is None else ramp.goal
     count = max(1, int(_AHEAD * motion.frequency / motion.step))
     while True:
         bounds = motion.measure(round(at), count)

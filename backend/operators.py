@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Protocol
 
 from gproof.ir.record import record
-from gproof.ir.trace import Wait
+from gproof.ir.trace import Op, Trace, TraceSection, Wait
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -109,3 +110,31 @@ class Terminal:
         except EOFError:
             return None
         return None if answer.lower() in ("q", "quit") else answer
+
+
+def request_at_end(trace: Trace, section: TraceSection) -> WaitRequest:
+    """What to ask at the end of a section: its last message, tool or stop row says."""
+    edge = section.edges[0]
+    text, optional = edge.outcome, False
+    for k in range(len(section.rows) - 1, max(-1, len(section.rows) - 16), -1):
+        op = section.rows["op"][k]
+        if op == Op.MESSAGE:
+            text = trace.texts[int(section.rows["text"][k])]
+        elif op == Op.TOOL_CHANGE:
+            tool = float(section.rows["arg"][k, 0])
+            text = "change the tool" if math.isnan(tool) else f"insert tool {tool:g}"
+        elif op == Op.STOP:
+            optional = bool(section.rows["arg"][k, 0])
+            continue
+        elif op == Op.END or op >= Op.OFFSET:
+            continue
+        break
+    return WaitRequest(
+        wait=edge.wait,
+        section=section.number,
+        line=edge.line,
+        file=trace.files[edge.file] if edge.file else "",
+        text=text,
+        outcomes=tuple(edge.outcome for edge in section.edges),
+        optional=optional,
+    )

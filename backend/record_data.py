@@ -79,7 +79,8 @@ class Result(enum.Enum):
 class Retiming:
     """One retiming of a section, applied to what the ones before it made.
 
-    kind: "override" or "hold"; factor: of the planned speed, as a fraction such as "7/10" (override);
+    kind: "override", "change" (of the override, in the middle) or "hold"; factor: of the planned speed, as a fraction
+    such as "7/10" (override, change);
     asked: tick of the request; rest_begins, rest: ticks (hold); exact: steps on their mapped ticks, no room
     for longer runs; source, target: the breakpoints of the time map.
     """

@@ -197,7 +197,7 @@ def loss_of(value: dict[str, Any]) -> Loss:
 def retiming_of(value: dict[str, Any]) -> Retiming:
     """One retiming; ValueError."""
     _only(value, Retiming)
-    if value["kind"] not in ("override", "hold"):
+    if value["kind"] not in ("override", "change", "hold"):
         raise ValueError(f"unknown retiming {value['kind']!r}")
     return Retiming(
         kind=value["kind"],

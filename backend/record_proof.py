@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 from gproof.backend.boards.board import Known
 from gproof.backend.job import CertifiedJob, identity_of
+from gproof.backend.override_change import changed
 from gproof.backend.record_data import ExecutionRecord, Result, SectionRecord
 from gproof.backend.retime import Spacing, retime, slow_map
 from gproof.ir.record import record
@@ -49,6 +50,9 @@ def sent(done: SectionRecord, planned: StreamSection, job: CertifiedJob) -> Stre
             if meant.source.tolist() != times.source.tolist() or meant.target.tolist() != times.target.tolist():
                 raise ValueError(f"the time map does not fit an override of {change.factor}")
         spacing = Spacing.of(job.machine, job.stream.tick_frequency, exact=change.exact)
+        if change.kind == "change":
+            section = changed(planned, section, change, spacing)
+            continue
         section = retime(section, times, spacing)
     return section
 

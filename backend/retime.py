@@ -9,12 +9,14 @@ every retimed section before it sends a step of it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
 from gproof.backend.boards.board import ticks_up
+from gproof.backend.control import GREATEST_FACTOR, LEAST_FACTOR
 from gproof.backend.retime_kernels import fit
 from gproof.backend.runs import Ints, cut, expand, join, table
 from gproof.backend.time_map import MapBuilder, TimeMap
@@ -32,8 +34,6 @@ TOLERANCE = 1e-6
 
 SHARE = 64
 """... and this part of its distance to the motor's neighbouring steps."""
-
-LEAST_FACTOR, GREATEST_FACTOR = Fraction(1, 10), Fraction(1)
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -79,6 +79,13 @@ def retime(section: StreamSection, times: TimeMap, spacing: Spacing) -> StreamSe
         events=Columns(EVENT, events),
         duration=times.after(section.duration),
     )
+
+
+def dwells(section: StreamSection, tick_frequency: int) -> Iterator[tuple[int, int]]:
+    """The ticks between which the program waits for a time."""
+    for tick, _, op, arg in section.events.rows():
+        if op == Op.DWELL:
+            yield tick, tick + -(-int(arg[0]) * tick_frequency // 1000)
 
 
 def begin_of_end(section: StreamSection) -> int:
@@ -198,9 +205,8 @@ def slow_map(section: StreamSection, tick_frequency: int, factor: Fraction) -> T
     if not LEAST_FACTOR <= factor <= GREATEST_FACTOR:
         raise ValueError(f"override {factor}: outside {LEAST_FACTOR} to {GREATEST_FACTOR}")
     build = MapBuilder()
-    for tick, _, op, arg in section.events.rows():
-        if op == Op.DWELL:
-            build.slow(tick, factor)
-            build.shift(min(section.duration, tick + -(-int(arg[0]) * tick_frequency // 1000)))
+    for begin, end in dwells(section, tick_frequency):
+        build.slow(begin, factor)
+        build.shift(min(section.duration, end))
     build.slow(max(section.duration, begin_of_end(section)), factor)
     return build.done()

@@ -12,6 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 from gproof.backend.feed_hold import MARGINS, hold
+from gproof.backend.override_change import change_map, changed, place_of
 from gproof.backend.record_data import Retiming
 from gproof.backend.retime import Spacing, retime, slow_map
 from gproof.backend.section_run import Prepared
@@ -40,6 +41,30 @@ class Retimer:
             found = self._made(section, times, retiming)
             if found is not None:
                 return found
+        return None
+
+    def change(
+        self, planned: StreamSection, section: StreamSection, before: Sequence[Retiming], tick: int, factor: Fraction
+    ) -> Prepared | None:
+        """From ``tick`` on at ``factor`` of the planned speed; before: what made the section of the planned one.
+
+        None when there is no such place, or the validator refuses every ramp.
+        """
+        place = place_of(planned, section, before, tick)
+        if place is None:
+            return None
+        for margin in MARGINS:
+            times = change_map(planned, self.motors, self.machine, self.tick_frequency, place, factor, margin)
+            source, target = _lists(times)
+            for exact in (False, True):
+                retiming = Retiming(
+                    kind="change", factor=str(factor), asked=place.tick, exact=exact, source=source, target=target
+                )
+                late = changed(
+                    planned, section, retiming, Spacing.of(self.machine, self.tick_frequency, exact=exact)
+                )  # fmt: skip
+                if self.accept(late):
+                    return Prepared(late, retiming)
         return None
 
     def hold(self, section: StreamSection, tick: int, rest: int) -> Prepared | None:

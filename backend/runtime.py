@@ -8,7 +8,6 @@ an ExecutionRecord that says how far it came, and what it is made from goes into
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -24,19 +23,18 @@ from gproof.backend.boards.board import (
     Observed,
     Status,
 )
-from gproof.backend.control import Control
+from gproof.backend.control import GREATEST_FACTOR, LEAST_FACTOR, Control
 from gproof.backend.feed import Words, as_sent
 from gproof.backend.interrupts import interrupts
 from gproof.backend.job import CertifiedJob, RunRefused, checked_job, identity_of
 from gproof.backend.journal import Notes
 from gproof.backend.link import Link, LinkPlan, link_plan, shortage_text
 from gproof.backend.manual_events import ManualWait, all_manual, manual_waits
-from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
+from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest, request_at_end
 from gproof.backend.record_data import ExecutionRecord, Loss, Result, Retiming, plain
-from gproof.backend.retime import GREATEST_FACTOR, LEAST_FACTOR
 from gproof.backend.retimer import Retimer
 from gproof.backend.section_notes import at_fields, begin_fields, loss_of, section_fields, since
-from gproof.backend.section_run import SLICE, Pace, SectionRun
+from gproof.backend.section_run import SLICE, Pace, Prepared, SectionRun
 from gproof.backend.trail import Trail
 from gproof.backend.unfit import unfit
 from gproof.backend.watch import Moment, Watch
@@ -46,7 +44,7 @@ from gproof.ir.machine import Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import StreamSection
-from gproof.ir.trace import Edge, Op, Trace, TraceSection, Wait
+from gproof.ir.trace import Edge, Wait
 from gproof.ir.verdict import Verdict
 from gproof.verify.certificate.package import Package
 from gproof.verify.certificate.signers import Trusted
@@ -55,6 +53,7 @@ from gproof.verify.stream import validate
 __all__ = ["Control", "Hold", "RunFailed", "RunRefused", "run"]
 
 Progress = Callable[[float], None]
+Overridden = Callable[[Fraction, float | None], None]
 Announce = Callable[[Sequence[WaitRequest]], None]
 
 LEAD = 0.05
@@ -70,7 +69,6 @@ LATENCY = 0.01
 
 PREPARING = 0.2
 """Seconds for calculating a feed hold while a board runs, in addition to twice what a rehearsal took."""
-
 
 EVERY = 0.1
 """Seconds between two words about where a run is."""
@@ -112,6 +110,7 @@ def run(
     journal: Notes | None = None,
     announce: Announce | None = None,
     on_moment: Callable[[Moment], None] | None = None,
+    on_override: Overridden | None = None,
 ) -> ExecutionRecord:
     """Run a package on a board; RunRefused before any motion, a record afterwards whatever happens.
 
@@ -126,7 +125,7 @@ def run(
     other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
     what has to be there when this process ends before the run does; a run that cannot go on writing it ends at rest.
     announce: told before anything moves what no pin of the board does, so that the operator will be asked to.
-    on_moment: told some times a second where the run is.
+    on_moment: told some times a second where the run is. on_override: told in how many seconds another one starts.
     """
     job = checked_job(
         package, machine=machine, setup=setup, trusted_keys=trusted_keys, allow_untrusted=allow_untrusted
@@ -143,6 +142,7 @@ def run(
         journal=journal,
         announce=announce,
         on_moment=on_moment,
+        on_override=on_override,
     )
 
 
@@ -159,6 +159,7 @@ def walk(
     journal: Notes | None = None,
     announce: Announce | None = None,
     on_moment: Callable[[Moment], None] | None = None,
+    on_override: Overridden | None = None,
 ) -> ExecutionRecord:
     """``run`` for a job that has been checked; only ``checked_job`` makes one from a package."""
     factor = Fraction(override).limit_denominator(1000)
@@ -168,8 +169,9 @@ def walk(
         hold_at = Hold(at=hold_at, rest=job.stream.tick_frequency)
     holds = [hold_at] if isinstance(hold_at, Hold) else sorted(hold_at or (), key=lambda h: h.at)
     walking = _Walk(job, board, operator or AutoContinue(), control or Control())
-    walking.factor, walking.holds, walking.estop_at = factor, holds, estop_at
+    walking.factor, walking.holds = factor, holds
     walking.on_progress, walking.journal, walking.announce = on_progress, journal, announce
+    walking.estop_at, walking.on_override = estop_at, on_override or walking.on_override
     if on_moment is not None:
         walking.on_moment, walking.watch = on_moment, Watch(job, factor)
     with interrupts(walking.control):
@@ -196,6 +198,7 @@ class _Walk:
         self.announce: Announce | None = None
         self.on_moment: Callable[[Moment], None] | None = None
         self.watch: Watch | None = None
+        self.on_override: Overridden = lambda _, __: None
         self._told = 0.0
         self.trail = Trail()
         self.result = Result.FAULT
@@ -283,6 +286,7 @@ class _Walk:
     def _section(self, number: int, is_: Capabilities) -> int:
         """Run a section and what follows it; the next one's number, -1 at the end."""
         planned = self.job.stream.sections[number]
+        self._overridden(self.control.override_asked or self.factor, 0.0)
         ready = self._prepared(planned, is_)
         if isinstance(ready, str):
             self.result, self.reason = Result.REFUSED, f"section {number}: {ready}"
@@ -322,6 +326,11 @@ class _Walk:
         run.on_sending = lambda given: self._mark(before, run, given)
         run.on_lost = lambda lost, found: self._lost(before, run, lost, found)
         run.on_tick = lambda now: self._passed(now, before, run)
+        run.factor, run.on_override = self.factor, self._overridden
+        if self._overridable(number):
+            run.change = lambda section, held, tick, factor: self._changed(
+                is_, planned, section, ([*retimings, *held], tick, factor)
+            )
         self._noted, self._events, self._events_noted, self._losses = 0, [], 0, []
         self._started += 1
         self._mark(before, run, (0,) * len(section.start), begun=False)
@@ -367,6 +376,29 @@ class _Walk:
         if retimings and is_.link_rate and (found := self._link_plan(is_, section).shortage) is not None:
             return "retimed, " + shortage_text(found, is_.tick_frequency, planned.number, "the link is too slow")
         return section, retimings
+
+    def _changed(
+        self, is_: Capabilities, planned: StreamSection, section: StreamSection,
+        how: tuple[list[Retiming], int, Fraction],
+    ) -> Prepared | None:  # fmt: skip
+        """The section with another override from a tick on; None where it does not pass, or holds are planned in it."""
+        before, tick, factor = how
+        if any(tick < one.rest_begins + one.rest for one in before):
+            return None
+        made = self.retimer.change(planned, section, before, tick, factor)
+        short = made is not None and is_.link_rate and self._link_plan(is_, made.section).shortage is not None
+        return None if short else made
+
+    def _overridden(self, factor: Fraction, seconds: float | None) -> None:
+        """Another override starts in so many seconds; None: it cannot."""
+        if factor == self.factor:
+            return
+        if seconds is not None:
+            self.factor = factor
+            if self.watch is not None:
+                self.watch.override(factor)
+        with contextlib.suppress(OSError):
+            self.on_override(factor, seconds)
 
     def _waits(self, is_: Capabilities, section: StreamSection) -> list[ManualWait]:
         """Where the operator does what no pin of the board does."""
@@ -532,7 +564,7 @@ class _Walk:
             return -1
         if self.control.hold_asked and not self._go_on(number):
             return -1
-        request = _request(self.job.trace, self.job.trace.sections[number])
+        request = request_at_end(self.job.trace, self.job.trace.sections[number])
         answer = self.control.ask(lambda: self.operator.wait(request))
         edge = next((edge for edge in edges if edge.outcome == answer), None)
         self._answer(edge if edge is not None else replace(edges[0], outcome="", target=-1))
@@ -567,31 +599,3 @@ class _Walk:
     def _answer(self, edge: Edge | None) -> None:
         if edge is not None:
             self._write("answer", {"wait": edge.wait.value, "answer": edge.outcome, "target": edge.target})
-
-
-def _request(trace: Trace, section: TraceSection) -> WaitRequest:
-    """What to ask at the end of a section: its last message, tool or stop row says."""
-    edge = section.edges[0]
-    text, optional = edge.outcome, False
-    for k in range(len(section.rows) - 1, max(-1, len(section.rows) - 16), -1):
-        op = section.rows["op"][k]
-        if op == Op.MESSAGE:
-            text = trace.texts[int(section.rows["text"][k])]
-        elif op == Op.TOOL_CHANGE:
-            tool = float(section.rows["arg"][k, 0])
-            text = "change the tool" if math.isnan(tool) else f"insert tool {tool:g}"
-        elif op == Op.STOP:
-            optional = bool(section.rows["arg"][k, 0])
-            continue
-        elif op == Op.END or op >= Op.OFFSET:
-            continue
-        break
-    return WaitRequest(
-        wait=edge.wait,
-        section=section.number,
-        line=edge.line,
-        file=trace.files[edge.file] if edge.file else "",
-        text=text,
-        outcomes=tuple(edge.outcome for edge in section.edges),
-        optional=optional,
-    )

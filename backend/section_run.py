@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from fractions import Fraction
 
 from gproof.backend.boards.board import Board, BoardError, BoardState, Capabilities, Known, Status
 from gproof.backend.control import Control
@@ -63,6 +64,9 @@ class Ended:
 
 _Ready = tuple[Prepared, Feeder]
 
+Change = Callable[[StreamSection, Sequence[Retiming], int, Fraction], Prepared | None]
+"""A section, what was done to it since it started, a tick, and the override from there on."""
+
 
 class SectionRun:
     """Runs one section; ``run`` is called once."""
@@ -95,6 +99,11 @@ class SectionRun:
         self.on_sending: Callable[[tuple[int, ...]], None] = lambda _: None
         self.on_lost: Callable[[Status, Status | None], None] = lambda _, __: None
         self.insert_rest = rest
+        self.change: Change | None = None
+        self.factor = Fraction(1)
+        self.on_override: Callable[[Fraction, float | None], None] = lambda _, __: None
+        self._changing: tuple[int, Fraction, StreamSection, Future[_Ready | None]] | None = None
+        self._refused: Fraction | None = None
         self._waits = list(waits)
         self.ended = Ended(Result.FAULT, 0, section)
         self.base = 0
@@ -130,6 +139,7 @@ class SectionRun:
             self.board.emergency_stop()
             return True
         self._hear(now)
+        self._hear_override(now)
         stop = self._stop
         if stop is not None and self._held is None and now >= stop and not self._wait(stop):
             return False
@@ -192,6 +202,11 @@ class SectionRun:
             return None
         return max(0, int(self.ended.section.events["tick"][self._waits[0].event]) - 1)
 
+    @property
+    def _working(self) -> bool:
+        """Whether a retiming is being worked out, before which nothing is sent from its tick on."""
+        return self._asked is not None or self._changing is not None
+
     def _feed(self, status: Status, now: int) -> None:
         ahead = max(now, 0) + self.pace.lookahead
         goal = self.ended.section.duration
@@ -201,6 +216,8 @@ class SectionRun:
             until = min(until, goal)
         elif self._asked is not None:
             until = min(until, self._asked[0])
+        elif self._changing is not None:
+            until = min(until, self._changing[0])
         if (stop := self._stop) is not None:
             goal, until = min(goal, stop), min(until, stop)
         rests = self._held is not None or stop is not None
@@ -208,13 +225,13 @@ class SectionRun:
         if not self._finished:
             feeder.fill(self.board, status.free, until, self.on_sending)
         due = feeder.next_due
-        if (rests and (due is None or due > goal)) or (due is None and self._asked is not None):
+        if (rests and (due is None or due > goal)) or (due is None and self._working):
             # At rest, or all is sent and a hold may still come: nothing more is due.
             self.board.commit(None)
             due = None
         elif due is not None:
             self.board.commit(due - 1)
-        elif not self._finished and self._asked is None and not rests:
+        elif not self._finished and not self._working and not rests:
             self.board.finish_section(goal)
             self._finished = True
         if due is None:
@@ -256,6 +273,51 @@ class SectionRun:
             # Too slow: go on as planned and ask again with more time.
             self._asked = None
             self._patience *= 2
+
+    # Feed override.
+
+    def _hear_override(self, now: int) -> None:
+        """Start or go on working out another override, to begin where nothing is sent yet."""
+        wanted, section, ahead = self.control.override_asked, self.ended.section, self.pace.lookahead // 2
+        if self.change is None or self._finished or self._held is not None or self.control.hold_asked:
+            self._changing = None
+            return
+        if self._changing is not None:
+            at, factor, of, future = self._changing
+            if future.done() or now + ahead >= at:
+                self._changing = None
+                if future.done() and of is section and now + ahead < at:
+                    self._changed(future.result(), factor, at - now)
+                elif not future.done():
+                    self._patience *= 2
+            return
+        if wanted is None or wanted in (self.factor, self._refused):
+            return
+        ahead = self.pace.lookahead + self._patience if self.is_.real_time else 0
+        at = max(now + ahead, self._feeder.sent_until, 1)
+        if at >= section.duration or any(at < r.rest_begins + r.rest for r in self.ended.retimings):
+            return
+        if not self.is_.real_time:
+            self._changed(self._other(section, at, wanted), wanted, at - now)
+            return
+        self._worker = self._worker or ThreadPoolExecutor(max_workers=1)
+        self._changing = at, wanted, section, self._worker.submit(self._other, section, at, wanted)
+
+    def _other(self, section: StreamSection, at: int, factor: Fraction) -> _Ready | None:
+        """The section with another override from a tick on, and its feeder."""
+        assert self.change is not None
+        made = self.change(section, list(self.ended.retimings), at, factor)
+        return None if made is None else (made, Feeder(made.section, Words.of(self.is_)))
+
+    def _changed(self, ready: _Ready | None, factor: Fraction, ticks: int) -> None:
+        """Send the section with another override from now on; where there is none it goes on as it is."""
+        if ready is None:
+            self._refused = factor
+            self.on_override(factor, None)
+            return
+        self._replace(*ready)
+        self.factor, self._refused = factor, None
+        self.on_override(factor, ticks / self.is_.tick_frequency)
 
     def _ready(self, section: StreamSection, at: int, rest: int) -> _Ready | None:
         """A hold with its feeder, which takes a moment to make for a long section."""

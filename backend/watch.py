@@ -48,6 +48,11 @@ class Watch:
         self._lines: dict[int, _Lines] = {}
         self._after = self._left_after()
 
+    def override(self, factor: Fraction) -> None:
+        """It runs with another override from now on."""
+        self._factor = factor
+        self._after = self._left_after()
+
     def prepare(self, number: int) -> None:
         """Get ready for a section: while nothing moves, because it takes a moment for a long one."""
         job = self._job

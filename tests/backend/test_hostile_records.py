@@ -5,19 +5,21 @@ from __future__ import annotations
 import hashlib
 import json
 import random
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
+from backend.streams import FREQUENCY
 from backend.test_runtime import TWO, Tap
 from support.campaigns import sizes
 
 from backend.boards.emulator import link_campaign as links
 from gproof.backend import journal as journals
 from gproof.backend import runtime
+from gproof.backend.boards.emulator.emulator import Options
 from gproof.backend.boards.emulator.faults import parsed
+from gproof.backend.control import Control
 from gproof.backend.job import CertifiedJob
 from gproof.backend.journal import Found, read_journal
 from gproof.backend.record import parse_record, problems
@@ -27,19 +29,28 @@ from gproof.backend.runtime import Hold
 VALUES: list[Any] = [
     0, 1, -1, 2, 5, 10**7, 10**12, -(10**9), 2**31, 2**62, 2**63 - 1, 1 - 2**63, 2**63, 1e308, 0.5, [], [0], [1, 2, 3],
     [0, 2**62], {}, "", "x", "1/1000000000000000", "1/3", "9/10", "0", "-1", "1e400", "1/0", "completed", "interrupted",
-    "fault", "stopped", "hold", "override", "end", "operator", "é\x1b[2J", None, True,
+    "fault", "stopped", "hold", "override", "change", "end", "operator", "é\x1b[2J", None, True,
 ]  # fmt: skip
 
 
 def of_boards() -> list[tuple[ExecutionRecord, CertifiedJob]]:
-    """True records: of the virtual board, of one that counts what it made, of one that was lost."""
-    found = [(runtime.walk(TWO, Tap(2), override=Fraction(1, 2), hold_at=Hold(at=300_000, rest=1000)), TWO)]
+    """True records: of the virtual board, held and overridden, of one that counts what it made, of one lost."""
+    control = Control()
+    control.override(0.8)
+
+    def wish(part: float) -> None:
+        control.override(0.5 if part < 0.6 else 1)
+
+    changed = runtime.walk(TWO, Tap(2), control=control, on_progress=wish)
+    assert any(r.kind == "change" for s in changed.sections for r in s.retimings)
+    held = runtime.walk(TWO, Tap(2), override=Fraction(1, 2), hold_at=Hold(at=300_000, rest=1000))
+    found = [(held, TWO), (changed, TWO)]
     for fault in ("", "motion+0.2 close 0.3"):
-        options = replace(links.schedule(0, certified=True)[1], faults=tuple(parsed(fault)))
-        record = links.ran(links.jobs()[0], options, [])[1]
+        options = Options(frequency=FREQUENCY, baud=1_000_000, faults=tuple(parsed(fault)))
+        record = links.ran(links.jobs()[0], links.Schedule("", options, links.FrailHost()))[0].record
         assert record is not None
         found.append((record, links.jobs()[0]))
-    assert found[1][0].sections[0].executed and found[2][0].sections[0].losses
+    assert found[2][0].sections[0].executed and found[3][0].sections[0].losses
     return found
 
 

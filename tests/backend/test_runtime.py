@@ -2,15 +2,17 @@
 
 import dataclasses
 import os
+import random
 import signal
 import threading
 import time
 from collections.abc import Callable
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from backend.jobs import job
-from backend.streams import FREQUENCY, merged
+from backend.streams import FREQUENCY, SPU, merged
 from backend.test_virtual_board import reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -126,6 +128,85 @@ def test_a_late_host_with_a_small_fifo_runs_dry_and_the_record_says_so() -> None
         assert "promised" in record.reason if guarded else "arrived" in record.reason
     calm = Tap(2, fifo_runs=40, delay=HostDelay(latency=50))
     assert run(TWO, calm).result is Result.COMPLETED
+
+
+@settings(max_examples=25)
+@given(
+    st.lists(st.tuples(st.floats(0, 1), st.sampled_from([0.1, 0.25, Fraction(1, 3), 0.8, 1])), min_size=1, max_size=5),
+    st.sampled_from([1, 0.5]),
+)
+def test_an_override_that_changes_on_the_way_executes_the_same_steps(
+    wishes: list[tuple[float, float]], first: float
+) -> None:
+    plain, board, control = Tap(2), Tap(2), Control()
+    run(TWO, plain)
+    waiting, told = sorted(wishes), []
+
+    def wish(part: float) -> None:
+        while waiting and part >= waiting[0][0]:
+            control.override(waiting.pop(0)[1])
+
+    record = run(TWO, board, override=first, control=control, on_progress=wish, on_override=lambda *a: told.append(a))
+    assert record.result is Result.COMPLETED
+    assert [way(rows) for rows in board.seen] == [way(rows) for rows in plain.seen]
+    assert all(seconds is not None and 0 <= seconds <= 0.25 for _, seconds in told)
+    changes = [r for s in record.sections for r in s.retimings if r.kind == "change"]
+    assert len(changes) <= len(told)
+    # No faster than planned, and no slower than at the least of the overrides, with the ramps between them.
+    whole = sum(section.duration for section in TWO.stream.sections)
+    least = min([first, *(factor for _, factor in wishes)])
+    assert whole <= sum(s.ticks for s in record.sections) <= whole / least + len(changes) * FREQUENCY
+
+
+def test_speeds_follow_the_override_within_the_acceleration_of_the_axis() -> None:
+    """60 mm straight on at 60 mm/s, 600 mm/s2, at half the speed from somewhere in it on."""
+    control, told = Control(), []
+
+    def wish(part: float) -> None:
+        if part > 0.2:
+            control.override(0.5)
+
+    one, board = job([(60.0, 0.0)], []), Tap(2)
+    run(one, board, control=control, on_progress=wish, on_override=lambda *a: told.append(a))
+    (asked,) = told
+    assert asked[0] == Fraction(1, 2)
+    ticks = np.cumsum(np.concatenate([i + a * np.arange(n) for i, n, a, _ in board.seen[0]])) / FREQUENCY
+    speed = np.diff(ticks[::20]) ** -1 * 20 / SPU
+    near = ticks[::20][1:]
+    full, half = speed[np.argmin(abs(near - 0.2))], speed[len(speed) * 3 // 4]
+    assert full == pytest.approx(60, rel=0.02)
+    assert half == pytest.approx(30, rel=0.02)
+    slowing = np.diff(speed) / np.diff(near)
+    assert slowing.min() > -600 * 1.15
+
+
+def test_a_section_without_overrides_leaves_them_to_the_next() -> None:
+    fixed = job([(10.0, 0.0)], [(0.0, 0.0)], overrides=False)
+    control = Control()
+    record = run(fixed, Tap(2), control=control, on_progress=lambda part: control.override(0.5) and None)
+    assert record.result is Result.COMPLETED
+    assert not [r for s in record.sections for r in s.retimings]
+    assert (control.override(7), control.override(0)) == (1, Fraction(1, 10))
+
+
+def test_a_feed_hold_and_overrides_in_one_section() -> None:
+    plain = Tap(2)
+    run(TWO, plain)
+    for seed in range(6):
+        board, control, rng = Tap(2), Control(), random.Random(seed)
+        wishes = [(rng.random() * 0.4, 0.3), (rng.random() * 0.4, None), (rng.random() * 0.4, 0.9)]
+        wishes.sort(key=lambda wish: wish[0])
+
+        def wish(part: float, wishes: list = wishes, control: Control = control) -> None:
+            while wishes and part >= wishes[0][0]:
+                factor = wishes.pop(0)[1]
+                control.hold() if factor is None else control.override(factor)
+
+        record = run(TWO, board, control=control, on_progress=wish, operator=AutoContinue(resume=True))
+        assert record.result is Result.COMPLETED, record.reason
+        kinds = {r.kind for s in record.sections for r in s.retimings}
+        assert {"hold", "change"} <= kinds or {"hold", "override"} <= kinds
+        assert [way(rows) for rows in board.seen] == [way(rows) for rows in plain.seen]
 
 
 class Person:

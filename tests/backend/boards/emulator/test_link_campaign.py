@@ -90,6 +90,38 @@ def test_feed_holds_and_overrides_end_as_asked_and_every_step_is_proved(many: in
         assert all(known.proof is Proof.PROVED for known in proofs(record, one)), seed
 
 
+@pytest.mark.parametrize("many", sizes(6, 200))
+def test_an_override_that_changes_on_the_way_is_made_and_every_step_is_proved(many: int) -> None:
+    """The board's clock goes on while a change is worked out: what is not sent by then comes at the new rate."""
+    made = 0
+    for seed in range(many):
+        chance, control, told = random.Random(seed), Control(), []
+        wishes = sorted((chance.random() * 0.6, chance.choice([0.1, 0.3, 0.5, 1])) for _ in range(3))
+
+        def wish(part: float, wishes: list = wishes, control: Control = control) -> None:
+            while wishes and part >= wishes[0][0]:
+                control.override(wishes.pop(0)[1])
+
+        one, board = jobs()[seed % len(jobs())], Emulator(Options(frequency=FREQUENCY, baud=1_000_000))
+        record = walk(
+            one,
+            KlipperBoard(EmulatedLine(board).connect, WIRING, pulse=2, direction_setup=5),
+            control=control,
+            on_progress=wish,
+            on_override=lambda factor, seconds, told=told: told.append((factor, seconds)),
+            override=chance.choice([1, 0.5, 0.2]),
+        )
+        board.finish()
+        log = read(board.log.held)
+        assert record.result is Result.COMPLETED, (seed, record.reason)
+        assert list(record.steps) == [len(log.steps.of(pin)[0]) for pin in PINS], seed
+        proved(one, record, list(record.steps))
+        assert all(known.proof is Proof.PROVED for known in proofs(record, one)), seed
+        assert all(seconds is not None for _, seconds in told), (seed, told)
+        made += sum(r.kind == "change" for section in record.sections for r in section.retimings)
+    assert made
+
+
 def test_a_board_that_lost_step_is_found() -> None:
     for rubbish in (b"\xff\xff\xff", b"\x20\x10", b"\x7e\x00", bytes(range(200))):
         board = Emulator(Options())
