@@ -56,6 +56,12 @@ class CertifiedJob:
     machine_at_hand: bool = False
     setup_at_hand: bool = False
 
+    def overridable(self, number: int) -> bool:
+        """False when a row of the section was programmed without overrides."""
+        rows = self.trace.sections[number].rows
+        used = set(rows["state"][rows["op"] < 10].tolist())
+        return all(self.trace.states[state].overrides for state in used)
+
 
 def job_of(package: Package) -> CertifiedJob:
     """The parts of a package, believed as they are; for a package that shall run see ``checked_job``."""

@@ -327,7 +327,7 @@ class _Walk:
         run.on_lost = lambda lost, found: self._lost(before, run, lost, found)
         run.on_tick = lambda now: self._passed(now, before, run)
         run.factor, run.on_override = self.factor, self._overridden
-        if self._overridable(number):
+        if self.job.overridable(number):
             run.change = lambda section, held, tick, factor: self._changed(
                 is_, planned, section, ([*retimings, *held], tick, factor)
             )
@@ -357,7 +357,7 @@ class _Walk:
     def _prepared(self, planned: StreamSection, is_: Capabilities) -> tuple[StreamSection, list[Retiming]] | str:
         """The section with the override and the holds that fall into it, or why it cannot be had."""
         section, retimings = planned, []
-        if self.factor != 1 and self._overridable(planned.number):
+        if self.factor != 1 and self.job.overridable(planned.number):
             made = self.retimer.override(section, self.factor)
             if made is None:
                 return f"at {float(self.factor):g} of its speed the stream does not pass the stream checker"
@@ -413,12 +413,6 @@ class _Walk:
         why = self.control.ending or f"ended while waiting for the operator ({request.text})"
         self.result, self.reason = Result.STOPPED, f"section {request.section}: {why}"
         return False
-
-    def _overridable(self, number: int) -> bool:
-        """False when a row of the section was programmed without overrides."""
-        rows = self.job.trace.sections[number].rows
-        used = set(rows["state"][rows["op"] < 10].tolist())
-        return all(self.job.trace.states[state].overrides for state in used)
 
     def _accept(self, section: StreamSection) -> bool:
         """The validator's answer for a section in its place."""
