@@ -20,7 +20,7 @@ MOST_LINES_OF_A_FUNCTION = 80
 MOST_ARGUMENTS = 19
 """Of a kernel. Columns that belong together are one named tuple."""
 
-MOST_FILES = 2180
+MOST_FILES = 2250
 """Of the checkout. Cases are sections of pages (support/bundles.py); jobs of the corpus share files."""
 
 LONG_FILES: set[str] = set()
