@@ -44,7 +44,7 @@ def resume(
 
     It takes up again the modes, tool, spindle and coolant, goes to its place from above, and then has the lines of the
     job. It is executed before it is written: what it does after the way there must be what the job does. For programs
-    of Eding CNC whose lines are plain words.
+    of Eding CNC.
 
     Exit code: 0 written, 1 UNSAFE or 2 UNKNOWN with --package, 3 the job cannot go on there, or the command could not
     run.

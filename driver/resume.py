@@ -51,32 +51,97 @@ def resume(
     lines = job.read_text(encoding="utf-8", errors="surrogateescape").splitlines()
     if not 1 <= line <= len(lines):
         raise UsageError(f"--from-line {line}: {job} has {len(lines)} lines")
-    first = int(np.searchsorted(rows["line"], line))
-    if first == len(rows):
+    if int(np.searchsorted(rows["line"], line)) == len(rows):
         raise UsageError(f"--from-line {line}: nothing of {job} is left from there on")
+    opened = {"machine": machine, "setup": setup, "dialect": session.dialect}
+    whole = _Job(session, trace, rows, tuple(lines))
     try:
-        start = _start(session, trace, rows, first, line)
-        made = writer(lines, start)
+        return _written(whole, line, output, running, opened)
     except CannotResume as error:
-        raise UsageError(f"{job} cannot go on at line {line}: {error}") from None
+        hint = _before(whole, error.line, line, output, running, opened)
+        raise UsageError(f"{job} cannot go on at line {line}: {error}{hint}") from None
+
+
+@record(frozen=True, slots=True)
+class _Job:
+    """The job: its session, trace, rows in their order, and lines."""
+
+    session: Session
+    trace: Trace
+    rows: Columns
+    lines: tuple[str, ...]
+
+
+def _written(job: _Job, line: int, output: Path, running: Running, opened: dict[str, Any]) -> Continued:
+    """The program, written and compared with the job; CannotResume, and then no file is left."""
+    trace, rows = job.trace, job.rows
+    first = int(np.searchsorted(rows["line"], line))
+    start = _start(job.session, trace, rows, first, line)
+    writer = DIALECTS[job.session.dialect].frontend.resumed
+    assert writer is not None
+    made = writer(job.lines, start)
     output.write_text(made.text, encoding="utf-8", errors="surrogateescape")
     try:
-        again = open_session(output, machine=machine, setup=setup, dialect=session.dialect)
-        new_trace, new_rows = _executed(again, running, output)
+        again = open_session(output, **opened)
+        try:
+            new_trace, new_rows = _executed(again, running, output)
+        except UsageError as error:
+            raise CannotResume(f"the new program would not run ({error})") from None
         added = len(made.added)
         new_first = int(np.searchsorted(new_rows["line"], added + 1))
-        why = _other(
+        why = _way_there(again, start, new_rows.slice(0, new_first))
+        why = why or _other(
             (trace, rows.slice(first, len(rows)), line - 1),
             (new_trace, new_rows.slice(new_first, len(new_rows)), added),
         )  # fmt: skip
         if not why and _coolant(rows, first) != _coolant(new_rows, new_first):
             why = "its coolant would not be on or off as it was"
+        if not why and _outputs(rows, first) != _outputs(new_rows, new_first):
+            why = "its outputs would not be on or off as they were"
         if why:
-            raise UsageError(f"{job} cannot go on at line {line}: {why}")
+            raise CannotResume(why)
     except BaseException:
         output.unlink(missing_ok=True)
         raise
     return Continued(resumed=made, line=line, start=start, rows=len(rows) - first, of=len(rows))
+
+
+TRIED = 4
+"""Lines before that are tried for a hint, each by writing and executing the program."""
+
+SHORT = 20_000
+"""Rows of a job for which that is quick."""
+
+
+def _before(job: _Job, in_the_way: int, line: int, output: Path, running: Running, opened: dict[str, Any]) -> str:
+    """A line before at which the job can go on, as the end of a message; "" where none was found."""
+    if len(job.rows) > SHORT:
+        return ""
+    last = in_the_way if 0 < in_the_way < line else line - 1
+    for place in range(last, max(last - TRIED, 0), -1):
+        try:
+            _written(job, place, output, running, opened)
+        except (CannotResume, UsageError):
+            continue
+        output.unlink(missing_ok=True)
+        return f"; line {place} can"
+    return ""
+
+
+def _way_there(session: Session, start: Start, rows: Columns) -> str:
+    """What is wrong with the way there; "" where it goes across at the top alone and ends where the job was."""
+    moves = rows["op"] < Op.DWELL
+    places = rows["to"][moves]
+    axes = {axis.word: axis.index for axis in session.machine.axes}
+    at = np.array([value for _, value in start.at])
+    if not len(places) or not np.allclose(places[-1][[axes[word] for word, _ in start.at]], at, rtol=0, atol=CLOSE):
+        return "the way there would end at another place"
+    others = [axes[word] for word, _ in start.at if word != "Z"]
+    across = (np.abs(np.diff(places[:, others], axis=0)) > CLOSE).any(axis=1)
+    height = places[:, axes["Z"]]
+    if abs(height[0] - start.top) > CLOSE or (np.abs(height[1:][across] - start.top) > CLOSE).any():
+        return "the way there would not come from above"
+    return ""
 
 
 def _executed(session: Session, running: Running, path: Path) -> tuple[Trace, Columns]:
@@ -133,8 +198,17 @@ def _start(session: Session, trace: Trace, rows: Columns, first: int, line: int)
     # Where the job itself came at rapid, or never was anywhere else, the new program may too.
     at_rapid = not len(moves) or rows["op"][moves[-1]] == Op.TRAVERSE
     plane = here if at_rapid else max(here, height) if np.isfinite(height) else top
+
+    def earlier(number: int) -> dict[str, float] | None:
+        row = int(np.searchsorted(rows["line"], number)) - 1
+        if row >= 0 and trace.frames[int(rows["frame"][row])] != KNOWN_FRAME:
+            return None
+        place = rows["to"][row] if row >= 0 else np.array(begin)
+        return {word: float(place[axis.index]) for word, axis in axes.items()}
+
     return Start(
-        line=line, job=session.job.name, at=tuple((word, float(at[axis.index])) for word, axis in axes.items()),
+        before=earlier, line=line, job=session.job.name,
+        at=tuple((word, float(at[axis.index])) for word, axis in axes.items()),
         top=top, plane=min(top, plane), plunge=plunge,
     )  # fmt: skip
 
@@ -144,6 +218,12 @@ def _coolant(rows: Columns, until: int) -> tuple[float, float]:
     told = np.flatnonzero(rows["op"][:until] == Op.COOLANT)
     mist, flood = rows["arg"][told[-1]].tolist() if len(told) else (0.0, 0.0)
     return float(mist), float(flood)
+
+
+def _outputs(rows: Columns, until: int) -> dict[float, float]:
+    """Number of an output -> its value before a row, of those that were switched."""
+    told = rows["arg"][:until][rows["op"][:until] == Op.OUTPUT]
+    return {float(number): float(value) for number, value in told[:, :2].tolist()}
 
 
 Side = tuple[Trace, Columns, int]

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from gproof.ir.record import record
 
 
 class CannotResume(Exception):
-    """A program cannot be continued at a line; the text names what is in the way, and its line."""
+    """A program cannot be continued at a line; the text names what is in the way, and its line.
+
+    line: of what is in the way; 0: no one line.
+    """
+
+    def __init__(self, why: str, line: int = 0) -> None:
+        super().__init__(why)
+        self.line = line
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -15,7 +24,8 @@ class Start:
 
     at: axis letter -> machine position before that line, mm or degrees, for the axes of the machine; top: machine
     position of Z to which it is raised first; plane: down to which it goes at rapid, the rest at feed. plunge: mm/min,
-    the slowest at which the job has gone down so far, None: it has not.
+    the slowest at which the job has gone down so far, None: it has not. before: line -> machine position before it, by
+    axis letter, None: not known.
     """
 
     line: int
@@ -24,11 +34,14 @@ class Start:
     top: float
     plane: float
     plunge: float | None = None
+    before: Callable[[int], dict[str, float] | None] | None = None
 
 
 @record(frozen=True, slots=True)
 class Resumed:
-    """A new program: its lines before the first one of the job that it has again, and the text of all."""
+    """A new program: its lines before the first one of the job that it has again, the text of all, and what the
+    operator has to know."""
 
     added: tuple[str, ...]
     text: str
+    notes: tuple[str, ...] = ()

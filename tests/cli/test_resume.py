@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import random
 import re
+import tomllib
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -132,10 +133,10 @@ def test_the_new_program_is_checked_and_certified_anew(shop: Path) -> None:
     ("lines", "line", "why"),
     [
         (["G41 D1 X1 F100"], 4, "cutter radius compensation is on since line 2"),
-        (["G81 X1 Y1 Z-1 R2 F100", "X5"], 4, "a canned cycle is in force since line 2"),
-        (["G92 X0"], 3, "line 2: G92 cannot be taken up again"),
-        (["M54 P1"], 3, "line 2: M54 cannot be taken up again"),
-        (["#1=3", "G1 X#1 F100"], 4, "line 2: not plain words"),
+        (["G92.3"], 3, "line 2: G92.3 cannot be taken up again"),
+        (["M54 P1 E2"], 3, "line 2: M54 cannot be taken up again but with a number in P alone"),
+        (["#1=[#2+3]", "G1 X#1 F100"], 4, "line 2: #2 has its value from outside of the job"),
+        (["#1=3", "G1 X1 F[#1*100]"], 4, "F, S or T before line 4 is an expression"),
         (["/G0 X4"], 3, "line 2: a block that may be deleted"),
         (["G68 X0 Y0 R30"], 3, "the plane is rotated since line 2"),
         (["G2 X10 Y0 I5 J0 F100", "X20 I5"], 3, "line 3 continues an arc of line 2"),
@@ -217,3 +218,84 @@ def test_after_a_loss_the_rest_is_machined_and_the_overlap_is_stated(
         added = len(text.splitlines()) - (len(job.splitlines()) - line + 1)
         own = [place for number, place in places(text.splitlines()) if number > added]
         assert same(own, rest_of(job, line)), (seed, line, job)
+
+
+def rest_text(shop: Path, lines: list[str], line: int) -> list[str]:
+    (shop / "part.cnc").write_text("\n".join([*lines, ""]))
+    done = resume(shop, line)
+    assert done.exit == 0, done.err
+    return (shop / "rest.cnc").read_text().splitlines()
+
+
+def test_a_hole_of_a_row_is_taken_up_with_all_words_of_its_cycle(shop: Path) -> None:
+    lines = ["G21 G90 G17", "S900 M3", "G0 X0 Y0 Z10", "G99 G82 X1 Y2 Z-1.5 R2 P0.2 F240", "N5 X5", "Y7", "G80", "M30"]
+    # G99 leaves the tool at R, Z2, over the first hole; the whole way down to it was rapid.
+    assert rest_text(shop, lines, 5) == [
+        "(part.cnc from line 5, by gproof)", "G21 G90 G94 G40 G49 G80 G17", "G0 G53 Z60", "G99", "G0 G53 X1 Y2",
+        "S900 M3", "G0 G53 Z2", "G1 G53 Z2 F240", "N5 G82 Z-1.5 R2 P0.2 X5", "Y7", "G80", "M30",
+    ]  # fmt: skip
+
+
+def test_zeros_are_stated_again_and_a_shift_from_where_the_axes_are_now(shop: Path) -> None:
+    lines = ["G21 G90 G54", "G10 L2 P1 X120 Y90", "G53 G0 Z20", "G0 X1 Y1", "G92 X10", "G0 X15 Y3", "G0 X0", "M30"]
+    # Machine X was 121 when it was called 10, so it is 126 at line 7, which is called 15.
+    assert rest_text(shop, lines, 7) == [
+        "(part.cnc from line 7, by gproof)", "G21 G90 G94 G40 G49 G80 G17", "G10 L2 P1 X120 Y90", "G54", "G0 G53 Z60",
+        "G0 G53 X126 Y93", "G0 G53 Z20", "G0 G53 Z20", "G92 X15", "G0 X0", "M30",
+    ]  # fmt: skip
+
+
+def test_outputs_and_variables_are_taken_up_after_the_way_across(shop: Path) -> None:
+    lines = ["G21 G90", "#1=3", "#2=[#1*2]", "M54 P1", "M54 P2", "M55 P2", "G0 X[#2+1] Y#1", "G0 X#2", "M30"]
+    assert rest_text(shop, lines, 8) == [
+        "(part.cnc from line 8, by gproof)", "#1=3", "#2=[#1*2]", "G21 G90 G94 G40 G49 G80 G17", "G0 G53 Z60",
+        "G0 G53 X7 Y3", "M54 P1", "M55 P2", "G0 G53 Z0", "G0 G53 Z0", "G0 X#2", "M30",
+    ]  # fmt: skip
+
+
+def test_a_shift_or_a_zero_that_the_run_may_have_reached_is_not_forgotten(shop: Path) -> None:
+    assert "G92.1" in rest_text(shop, ["G21 G90", "G0 X1", "G0 X2", "G92 X0", "G0 X5", "M30"], 3)
+    (shop / "part.cnc").write_text("G21 G90\nG0 X1\nG0 X2\nG10 L2 P1 X5\nG0 X5\nM30\n")
+    assert "the run may have reached line 4, which stores others" in resume(shop, 3).out
+    (shop / "part.cnc").write_text("G21 G90\nG0 X#1\nG0 X#1\n#1=4\nM30\n")
+    assert "line 3 reads #1, which line 4 sets" in resume(shop, 3).err or "has errors" in resume(shop, 3).err
+
+
+def test_a_line_before_that_can_is_named(shop: Path) -> None:
+    (shop / "part.cnc").write_text("G21 G90\nG0 X7\nG2 X10 Y0 I1.5 J0 F100\nX20 I5\nM30\n")
+    done = resume(shop, 4)
+    assert "; line 3 can" in done.err and not (shop / "rest.cnc").exists()
+    assert resume(shop, 3).exit == 0
+
+
+CORPUS = Path(__file__).resolve().parents[2] / "corpus" / "eding"
+TAKEN_UP = ("drilled-plate", "bored-and-reamed", "drill-rows", "inch-bracket", "tapped-flange", "gantry-slave")
+
+
+@pytest.mark.parametrize("many", sizes(1, 30))
+def test_at_lines_of_jobs_the_rest_has_the_places_of_the_job(many: int, tmp_path: Path) -> None:
+    """What comes after the way there has the job's own text; in a row of holes its first line names the cycle again."""
+    told = tomllib.loads((CORPUS / "expect.toml").read_text())
+    for name in TAKEN_UP:
+        chance, job = random.Random(name), CORPUS / name / "job.cnc"
+        lines = job.read_text().splitlines()
+        taken = 0
+        for _ in range(3 * many):
+            line, out = chance.randint(1, len(lines) - 1), tmp_path / "rest.cnc"
+            out.unlink(missing_ok=True)
+            words = ["resume", str(job), "--from-line", str(line), "--machine", str(CORPUS / told[name]["machine"])]
+            done = in_this_process([*words, "--setup", "zero", "-o", str(out)], tmp_path)
+            assert done.exit in (0, 3) and done.err.count("\n") == (done.exit == 3), done.err
+            assert out.exists() == (done.exit == 0)
+            if done.exit:
+                assert "cannot go on at line" in done.err or "nothing of" in done.err, done.err
+                continue
+            taken += 1
+            rest = out.read_text().splitlines()[-(len(lines) - line + 1) :]
+            changed = [(a, b) for a, b in zip(lines[line - 1 :], rest, strict=True) if a != b]
+            assert len(changed) <= 1
+            for a, b in changed:
+                named = re.search(r"G[78]\d(?: [ZRQP][-+.\d]+)* ", b)
+                assert named and b.replace(named[0], "", 1) == a, (a, b)
+                assert all(word in " ".join(lines[: line - 1]) for word in named[0].split()), (a, b)
+        assert taken, name
