@@ -292,8 +292,12 @@ class Found:
 
 
 def read_journal(path: Path) -> Found:
-    """A journal, as far as it can be believed; OSError when it cannot be read."""
-    return _parsed(path, path.read_bytes() if path.stat().st_size <= LARGEST else b"\n")
+    """A journal, as far as it can be believed; OSError when it cannot be read, or is no regular file."""
+    there = path.stat()
+    if not stat.S_ISREG(there.st_mode) and not stat.S_ISDIR(there.st_mode):
+        # A pipe would be waited for, and some devices never end.
+        raise OSError(errno.EINVAL, "is not a regular file", str(path))
+    return _parsed(path, path.read_bytes() if there.st_size <= LARGEST else b"\n")
 
 
 def _parsed(path: Path, data: bytes) -> Found:

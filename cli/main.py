@@ -491,7 +491,9 @@ def _plain(message: str) -> str:
 def _range(found: re.Match[str]) -> str:
     """What a number must be, and what it is; an end that is there only to have one is not named."""
     value, low, high = (f"{float(text):.12g}" for text in found.groups())
-    ends = f"at least {low}" if float(high) >= NO_END else f"from {low} to {high}"
+    ends = f"from {low} to {high}"
+    if float(high) >= NO_END:
+        ends = f"at most {high}" if float(value) > float(high) else f"at least {low}"
     return f"must be {ends}, not {value}."
 
 

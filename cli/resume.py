@@ -8,7 +8,7 @@ import click
 
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
-from gproof.driver.files import require_file, require_place
+from gproof.driver.files import require_file, require_other, require_place
 from gproof.driver.session import Running
 
 
@@ -29,6 +29,7 @@ def run_resume(
             require_place(place, what, (job, machine))
             if place.exists():
                 raise UsageError(f"{what} {place}: already exists; choose another name")
+    require_other(output, "output", package, "--package")
     notes: list[str] = []
     if from_journal is not None:
         from_line = _line_of(from_journal, job, notes)
@@ -64,12 +65,15 @@ def _line_of(journal: Path, job: Path, notes: list[str]) -> int:
 
     require_file(journal, "journal")
     try:
+        found = read_journal(journal)
+        if not found.entries and found.damaged:
+            raise UsageError(f"{journal}: not a journal, or damaged from its start; use --from-line")
         status = status_of(journal, None)
-        package = read_package(Path(read_journal(journal).field("package")))
+        package = read_package(Path(found.field("package"))) if found.entries else None
     except (OSError, CertificateError) as error:
         raise UsageError(f"{journal}: {error}; use --from-line") from None
     record, place = status.record, status.place
-    if record is None or not record.sections:
+    if package is None or record is None or not record.sections:
         raise UsageError(f"{journal}: nothing was executed; run the job from its start")
     if status.state == RUNNING:
         raise UsageError(f"{journal}: the run goes on")

@@ -65,7 +65,7 @@ def run_run(
     require_file(path, "package")
     require_files(machine, setup, source)
     require_port(board, port, baud)
-    require_pins(board, vcd, path)
+    require_pins(board, vcd, (path, machine, setup, source, *trust), record)
     replace = record is not None and require_record_place(record, path, replace_record)
     trusted = trusted_with(trust, warn)
     require_for(board, machine=machine, setup=setup, trusted=bool(trusted), allow_untrusted=allow_untrusted)

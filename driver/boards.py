@@ -9,10 +9,13 @@ from pathlib import Path
 from gproof.backend.boards.board import MODELLED, MOVES_NOTHING, Board, BoardError
 from gproof.backend.boards.registry import BOARDS, REAL
 from gproof.driver.errors import UsageError
-from gproof.driver.files import require_place
+from gproof.driver.files import require_other, require_place
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Span
 from gproof.ir.machine import Machine
+
+VCD_START = b"$comment "
+"""What the waveforms of ``backend/boards/models/vcd.py`` start with; an empty file is one that was not begun."""
 
 
 def require_for(
@@ -43,13 +46,26 @@ def require_port(board: str, port: str | None, baud: int | None) -> None:
             raise UsageError(f"{option} is for boards on a port ({', '.join(sorted(REAL))}); {board} has none")
 
 
-def require_pins(board: str, vcd: Path | None, package: Path) -> None:
-    """UsageError for a waveform of a board that has no pins to show, and for where it cannot be written."""
+def require_pins(board: str, vcd: Path | None, inputs: tuple[Path | str | None, ...], record: Path | None) -> None:
+    """UsageError for a waveform of a board that has no pins to show, and for where it cannot be written.
+
+    Only a waveform is replaced; record: where the record of the run will be.
+    """
     if vcd is None:
         return
     if board not in MODELLED:
         raise UsageError(f"--vcd is for modelled boards ({', '.join(MODELLED)}); {board} shows no pins")
-    require_place(vcd, "--vcd", (package,))
+    require_place(vcd, "--vcd", inputs)
+    require_other(vcd, "--vcd", record, "--record")
+    try:
+        with vcd.open("rb") as there:
+            known = there.read(len(VCD_START)) in (b"", VCD_START)
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise UsageError(f"--vcd {vcd}: {error.strerror}") from None
+    if not known:
+        raise UsageError(f"--vcd {vcd}: this file exists and is not a waveform of gproof; choose another name")
 
 
 def made(name: str, machine: Machine, motors: int, real_time: bool, vcd: Path | None) -> Board:

@@ -71,6 +71,12 @@ def require_place(path: Path, what: str, inputs: tuple[Path | str | None, ...] =
             raise UsageError(f"{what} {path}: would overwrite an input")
 
 
+def require_other(path: Path, what: str, other: Path | None, what_other: str) -> None:
+    """UsageError where two outputs would be the same file, which need not be there yet."""
+    if other is not None and path.resolve() == other.resolve():
+        raise UsageError(f"{what} {path}: the same file as {what_other}")
+
+
 def write_text(path: Path, text: str, what: str) -> None:
     """Write a file in one step; UsageError, and no part of it, when that cannot be done.
 

@@ -52,6 +52,8 @@ def test_what_is_no_number_in_range(
             continue
         assert len(said.splitlines()) == 1 and "error" in said, words
         assert len(said) < 6_000
+        if text == "1e308":
+            assert "at least" not in said, words
 
 
 @pytest.mark.parametrize("option", ["--hold-at", "--estop-at"])

@@ -161,9 +161,12 @@ def test_what_runs_elsewhere_is_refused(shop: Path) -> None:
         (["--from-line", "99"], "line 6 is in a subprogram"),
         ([], "give one of --from-line and --from-journal"),
         (["--from-journal", "none"], "none"),
+        (["--from-journal", "machine.toml"], "machine.toml: not a journal"),
+        (["--from-line", "3", "--package", "./rest.cnc"], "output rest.cnc: the same file as --package"),
     ):
         done = in_this_process(["resume", "part.cnc", *words, *SET, "-o", "rest.cnc"], shop)
         assert done.exit == 3 and why in done.err, done.err
+        assert not (shop / "rest.cnc").exists()
 
 
 def made_up(chance: random.Random) -> str:

@@ -131,6 +131,10 @@ def test_where_pins_cannot_be_written(shop: Shop) -> None:
         (("virtual", "--vcd", "a.vcd"), "--vcd is for modelled boards (pci7200, eding-cpu, apci8001)"),
         (("pci7200", "--vcd", "nowhere/a.vcd"), "no such folder"),
         (("pci7200", "--vcd", "made.gpx"), "would overwrite an input"),
+        (("pci7200", "--machine", "machine.toml", "--vcd", "machine.toml"), "would overwrite an input"),
+        (("pci7200", "--source", "job.cnc", "--vcd", "job.cnc"), "would overwrite an input"),
+        (("pci7200", "--vcd", "job.cnc"), "is not a waveform of gproof"),
+        (("pci7200", "--vcd", "new.json", "--record", "./new.json"), "the same file as --record"),
         (("apci8001", "--port", "COM3"), "--port is for boards on a port"),
     ):
         done = shop("run", "made.gpx", "--board", *words)
@@ -213,11 +217,20 @@ def test_ports_that_are_no_board(shop: Shop, port: str, tmp_path: Path) -> None:
     spy = f"spy:///dev/null?file={tmp_path / 'written'}"
     for address in ("nonsense://x", "loop://", spy):
         refused(on(shop, address), f"{address}: not a port; an address starts with socket:// or rfc2217://")
+    for address in (
+        "socket://",
+        "socket://localhost",
+        "socket://:5",
+        "socket://a:0",
+        "rfc2217://a:99999",
+        "socket://[:5",
+    ):
+        refused(on(shop, address), f"{address}: the address has no port number from 1 to 65535")
     assert not (tmp_path / "written").exists()
-    refused(on(shop, str(tmp_path)), str(tmp_path))
+    refused(on(shop, str(tmp_path)), f"{tmp_path}: it is not a serial port")
     plain = tmp_path / "plain"
     plain.write_text("no port")
-    refused(on(shop, str(plain)), "plain: ")
+    refused(on(shop, str(plain)), "plain: it is not a serial port")
     refused(on(shop, port, "--baud", "115200"), "at another baud rate")
 
 

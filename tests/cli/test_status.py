@@ -6,6 +6,7 @@ The job moves X from 0 to 4 mm in one line and to 9 mm in the next, at 5 mm/s an
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -158,9 +159,11 @@ def test_what_is_named(shop: Path, made: Path) -> None:
         assert told(shop, *words)[1]["state"] == "interrupted", words
     (shop / "text.cnc").write_text(JOB)
     (shop / "empty").mkdir()
+    os.mkfifo(shop / "pipe.journal")
     for words, why in (
         (("missing",), "no such file or folder"),
         (("text.cnc",), "neither a folder of runs, nor a journal, nor a package"),
+        (("pipe.journal",), "pipe.journal: is not a regular file"),
         (("empty",), "no run is noted in empty"),
         (("--port", "/dev/no-such-port"), "/dev/no-such-port"),
     ):

@@ -12,6 +12,7 @@ import errno
 import select
 import time
 from typing import Any, Protocol
+from urllib.parse import urlsplit
 
 from gproof.backend.boards.board import BoardError
 
@@ -54,6 +55,8 @@ class SerialLine:
         self.port = port
         if "://" in port and not port.startswith(ADDRESSES):
             raise BoardError(f"{port}: not a port; an address starts with {' or '.join(ADDRESSES)}")
+        if "://" in port and not _has_number(port):
+            raise BoardError(f"{port}: the address has no port number from 1 to 65535, as in {ADDRESSES[0]}host:5000")
         # Only a device can be held alone; an address of pyserial takes no such request.
         alone: dict[str, Any] = {} if "://" in port else {"exclusive": True}
         try:
@@ -108,6 +111,15 @@ class SerialLine:
             self._serial.close()
 
 
+def _has_number(address: str) -> bool:
+    """Whether an address names host and port; pyserial's own texts about it are of its code."""
+    try:
+        parts = urlsplit(address)
+        return bool(parts.hostname) and bool(parts.port)
+    except ValueError:
+        return False
+
+
 def _keep_alone(number: int) -> None:
     """Ask the system to refuse the port to programs that know nothing of locks."""
     with contextlib.suppress(ImportError, AttributeError, OSError):
@@ -127,4 +139,6 @@ def _refused(error: Exception) -> str:
         return "no permission to open it (on Linux the user has to be in the group that owns it, often dialout)"
     if number == errno.EBUSY or "lock" in text:
         return "another program uses it"
+    if number in (errno.EISDIR, errno.ENOTTY) or "Inappropriate ioctl" in text:
+        return "it is not a serial port"
     return f"it cannot be opened ({text.splitlines()[0] if text else type(error).__name__})"
