@@ -41,6 +41,8 @@ def require_for(
 
 def require_port(board: str, port: str | None, baud: int | None) -> None:
     """UsageError for a port of a board that has none."""
+    if port is not None and not port.strip():
+        raise UsageError("--port is empty")  # and never the machine file's: another one was meant
     for option, given in (("--port", port), ("--baud", baud)):
         if given is not None and board not in REAL:
             raise UsageError(f"{option} is for boards on a port ({', '.join(sorted(REAL))}); {board} has none")

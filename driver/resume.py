@@ -8,6 +8,8 @@ forgotten without notice.
 from __future__ import annotations
 
 import dataclasses
+import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -72,17 +74,21 @@ class _Job:
     lines: tuple[str, ...]
 
 
-def _written(job: _Job, line: int, output: Path, running: Running, opened: dict[str, Any]) -> Continued:
-    """The program, written and compared with the job; CannotResume, and then no file is left."""
+def _written(
+    job: _Job, line: int, output: Path, running: Running, opened: dict[str, Any], *, keep: bool = True
+) -> Continued:  # fmt: skip
+    """The program, compared with the job and then written if it is to be kept; CannotResume, UsageError: no file."""
     trace, rows = job.trace, job.rows
     first = int(np.searchsorted(rows["line"], line))
     start = _start(job.session, trace, rows, first, line)
     writer = DIALECTS[job.session.dialect].frontend.resumed
     assert writer is not None
     made = writer(job.lines, start)
-    output.write_text(made.text, encoding="utf-8", errors="surrogateescape")
+    # Under a name of its own until it is compared: a program that nobody judged must not be left under the right one.
+    draft = output.with_name(f".{os.getpid()}.{output.name}")
     try:
-        again = open_session(output, **opened)
+        draft.write_text(made.text, encoding="utf-8", errors="surrogateescape")
+        again = open_session(draft, **opened)
         try:
             new_trace, new_rows = _executed(again, running, output)
         except UsageError as error:
@@ -100,9 +106,13 @@ def _written(job: _Job, line: int, output: Path, running: Running, opened: dict[
             why = "its outputs would not be on or off as they were"
         if why:
             raise CannotResume(why)
-    except BaseException:
-        output.unlink(missing_ok=True)
-        raise
+        if keep:
+            os.replace(draft, output)
+    except OSError as error:
+        raise UsageError(f"output {output}: {error.strerror or error}") from None
+    finally:
+        with suppress(OSError):
+            draft.unlink()
     return Continued(resumed=made, line=line, start=start, rows=len(rows) - first, of=len(rows))
 
 
@@ -120,10 +130,9 @@ def _before(job: _Job, in_the_way: int, line: int, output: Path, running: Runnin
     last = in_the_way if 0 < in_the_way < line else line - 1
     for place in range(last, max(last - TRIED, 0), -1):
         try:
-            _written(job, place, output, running, opened)
+            _written(job, place, output, running, opened, keep=False)
         except (CannotResume, UsageError):
             continue
-        output.unlink(missing_ok=True)
         return f"; line {place} can"
     return ""
 

@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import random
 import re
 import tomllib
@@ -19,6 +21,7 @@ from support.command import Done, in_this_process
 
 from gproof.backend import journal as journals
 from gproof.backend import runtime
+from gproof.driver import resume as resuming
 from gproof.verify.certificate.keys import create_key
 
 AXIS = "\nmin = {low}\nmax = {high}\nsteps_per_unit = 100\nmax_velocity = 50\nmax_acceleration = 2000\n"
@@ -167,6 +170,22 @@ def test_what_runs_elsewhere_is_refused(shop: Path) -> None:
         done = in_this_process(["resume", "part.cnc", *words, *SET, "-o", "rest.cnc"], shop)
         assert done.exit == 3 and why in done.err, done.err
         assert not (shop / "rest.cnc").exists()
+
+
+def test_nothing_is_under_the_name_before_it_is_compared(shop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    there = []
+    other = resuming._other
+    monkeypatch.setattr(resuming, "_other", lambda *of: there.append((shop / "rest.cnc").exists()) or other(*of))
+    assert resume(shop, 9).exit == 0
+    assert there == [False]
+    monkeypatch.setattr(Path, "write_text", full)
+    done = resume(shop, 9)
+    assert (done.exit, done.err) == (3, "gproof: error: output rest.cnc: No space left on device\n")
+    assert sorted(place.name for place in shop.iterdir()) == ["config", "machine.toml", "part.cnc"]
+
+
+def full(*_: object, **__: object) -> int:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def made_up(chance: random.Random) -> str:

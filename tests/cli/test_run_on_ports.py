@@ -212,6 +212,7 @@ def test_a_board_that_does_not_fit(case: str, shop: Shop) -> None:
 
 @pytest.mark.usefixtures("impatient")
 def test_ports_that_are_no_board(shop: Shop, port: str, tmp_path: Path) -> None:
+    assert on(shop, "").err == "gproof: error: --port is empty\n"
     refused(on(shop, "/dev/not-there"), "/dev/not-there: there is no such port")
     refused(on(shop, "socket://127.0.0.1:1"), "it cannot be opened")
     spy = f"spy:///dev/null?file={tmp_path / 'written'}"
