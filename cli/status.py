@@ -29,6 +29,8 @@ def run_status(
     itself."""
     from gproof.driver.run_status import status_of
 
+    if port is not None and not port.strip():
+        raise UsageError("--port is empty")
     folder = runs or Path(click.get_app_dir("gproof")) / "runs"
     try:
         paths, package = _journals(of, folder, package)
@@ -39,7 +41,8 @@ def run_status(
             status_of(path, package, _asking(port, baud) if port and path == paths[-1] else None) for path in paths
         ]
     except BoardError as error:
-        raise UsageError(f"{port}: {error}") from None
+        said = str(error)
+        raise UsageError(said if said.startswith(f"{port}:") else f"{port}: {said}") from None
     except OSError as error:
         raise UsageError(f"{error.filename or folder}: {error.strerror or error}") from None
     if as_json:
@@ -96,7 +99,10 @@ def _lines(status: RunStatus) -> Iterator[str]:
         firmware = f", firmware {board.firmware}" if board.firmware else ""
         yield f"  run         {record.job}, started {status.started}, certificate {record.certificate[:16]}…"
         yield f"  board       {f'{board.name} {board.identity}'.rstrip()}{firmware}"
-        yield f"  result      {record.result.value}" + (f": {record.reason}" if record.reason else "")
+        if (
+            status.state != "running"
+        ):  # Until it ends, the record of what is there so far is that of a run that broke off.
+            yield f"  result      {record.result.value}" + (f": {record.reason}" if record.reason else "")
         yield from _where(status)
         most = status.most
         for motor, name in enumerate(record.motors):

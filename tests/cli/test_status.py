@@ -165,7 +165,8 @@ def test_what_is_named(shop: Path, made: Path) -> None:
         (("text.cnc",), "neither a folder of runs, nor a journal, nor a package"),
         (("pipe.journal",), "pipe.journal: is not a regular file"),
         (("empty",), "no run is noted in empty"),
-        (("--port", "/dev/no-such-port"), "/dev/no-such-port"),
+        (("--port", "/dev/no-such-port"), "error: /dev/no-such-port: there is no such port"),
+        (("--port", ""), "error: --port is empty"),
     ):
         done = status(shop, *words)
         assert (done.exit, done.out) == (3, ""), words
@@ -176,6 +177,7 @@ def test_a_run_that_goes_on_is_not_disturbed(shop: Path) -> None:
     path = journal(shop, "at", 2)
     (left,) = journals.left_open(path.parent, "virtual")
     assert told(shop)[1]["state"] == "running"
+    assert "killed" not in status(shop).out
     left.let_go()
     assert told(shop)[1]["state"] == "interrupted"
     assert len(journals.left_open(path.parent, "virtual")) == 1
