@@ -40,7 +40,7 @@ def run_resume(
         f"{output}: goes on with {job} at line {from_line}",
         f"  again       {made.rows} of {made.of} steps of execution, the same as in the job",
         f"  way there   up to Z {made.start.top:g}, across, down to Z {made.start.plane:g} at rapid, the rest at feed",
-        f"  starts at   {at} (machine coordinates)",
+        f"  starts at   {at} ({'from a zero that is not known' if made.start.work else 'machine coordinates'})",
         *(f"  {note}" for note in (*notes, *made.resumed.notes)),
     ]
     for line in lines:

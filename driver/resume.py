@@ -75,12 +75,13 @@ class _Job:
 
 
 def _written(
-    job: _Job, line: int, output: Path, running: Running, opened: dict[str, Any], *, keep: bool = True
+    job: _Job, line: int, output: Path, running: Running, opened: dict[str, Any], *,
+    keep: bool = True, start: Start | None = None,
 ) -> Continued:  # fmt: skip
     """The program, compared with the job and then written if it is to be kept; CannotResume, UsageError: no file."""
     trace, rows = job.trace, job.rows
     first = int(np.searchsorted(rows["line"], line))
-    start = _start(job.session, trace, rows, first, line)
+    start = start or _start(job.session, trace, rows, first, line)
     writer = DIALECTS[job.session.dialect].frontend.resumed
     assert writer is not None
     made = writer(job.lines, start)
@@ -95,7 +96,13 @@ def _written(
             raise CannotResume(f"the new program would not run ({error})") from None
         added = len(made.added)
         new_first = int(np.searchsorted(new_rows["line"], added + 1))
-        why = _way_there(again, start, new_rows.slice(0, new_first))
+        ahead = new_rows.slice(0, new_first)
+        if start.work and not any(start.work) and any(zero := _zero(again, start, ahead)):
+            return _written(job, line, output, running, opened, keep=keep, start=dataclasses.replace(start, work=zero))
+        why = _way_there(again, start, ahead, new_trace)
+        frame = int(rows["frame"][first - 1]) if first else trace.sections[0].start_frame
+        if not why and trace.frames[frame] != new_trace.frames[int(ahead["frame"][-1])]:
+            why = "the way there would end on other offsets"
         why = why or _other(
             (trace, rows.slice(first, len(rows)), line - 1),
             (new_trace, new_rows.slice(new_first, len(new_rows)), added),
@@ -137,7 +144,18 @@ def _before(job: _Job, in_the_way: int, line: int, output: Path, running: Runnin
     return ""
 
 
-def _way_there(session: Session, start: Start, rows: Columns) -> str:
+def _zero(session: Session, start: Start, rows: Columns) -> tuple[float, ...]:
+    """The known part of the zero, by which a way there ends off that was written without it."""
+    axes = {axis.word: axis.index for axis in session.machine.axes}
+    places = rows["to"][rows["op"] < Op.DWELL]
+    if not len(places):
+        return ()
+    last = places[-1]
+    off = [float(last[axes[word]]) - value for word, value in start.at]
+    return tuple(value if abs(value) > CLOSE else 0.0 for value in off)
+
+
+def _way_there(session: Session, start: Start, rows: Columns, trace: Trace) -> str:
     """What is wrong with the way there; "" where it goes across at the top alone and ends where the job was."""
     moves = rows["op"] < Op.DWELL
     places = rows["to"][moves]
@@ -148,6 +166,9 @@ def _way_there(session: Session, start: Start, rows: Columns) -> str:
     others = [axes[word] for word, _ in start.at if word != "Z"]
     across = (np.abs(np.diff(places[:, others], axis=0)) > CLOSE).any(axis=1)
     height = places[:, axes["Z"]]
+    up = np.array([not frame[2] for frame in trace.frames], dtype=bool)[rows["frame"][moves]]
+    if not up[0] or not up[1:][across].all():
+        return "the way there would not come from above"
     if abs(height[0] - start.top) > CLOSE or (np.abs(height[1:][across] - start.top) > CLOSE).any():
         return "the way there would not come from above"
     return ""
@@ -191,14 +212,15 @@ def _start(session: Session, trace: Trace, rows: Columns, first: int, line: int)
     begin = trace.sections[0].start
     at = rows["to"][first - 1] if first else np.array(begin)
     frame = int(rows["frame"][first - 1]) if first else trace.sections[0].start_frame
-    if trace.frames[frame] != KNOWN_FRAME:
-        raise CannotResume("where the axes are there rests on an offset that is not known")
+    known = trace.frames[frame] == KNOWN_FRAME
     axes = {axis.word: axis for axis in session.machine.axes}
     if "Z" not in axes or axes["Z"].upper is None:
         raise CannotResume("the machine file states no upper limit of Z, to which the tool could be raised")
     before = np.vstack([np.array(begin), rows["to"][: first - 1]]) if first else np.zeros((0, 6))
     after = rows["to"][:first]
-    rapid = (rows["op"][:first] == Op.TRAVERSE) & (np.abs(after - before)[:, :2] > 0).any(axis=1)
+    # Heights compare only where they rest on the same offsets.
+    rests = np.array([place[2] == trace.frames[frame][2] for place in trace.frames], dtype=bool)[rows["frame"][:first]]
+    rapid = (rows["op"][:first] == Op.TRAVERSE) & (np.abs(after - before)[:, :2] > 0).any(axis=1) & rests
     height = float(after[rapid, 2].max(initial=-np.inf))
     down = (rows["op"][:first] == Op.FEED) & ((after - before)[:, 2] < 0) & (rows["feed"][:first] > 0)
     plunge = float(rows["feed"][:first][down].min()) if down.any() else None
@@ -206,7 +228,10 @@ def _start(session: Session, trace: Trace, rows: Columns, first: int, line: int)
     moves = np.flatnonzero((rows["op"][:first] < Op.DWELL) & (np.abs(after - before) > 0).any(axis=1))
     # Where the job itself came at rapid, or never was anywhere else, the new program may too.
     at_rapid = not len(moves) or rows["op"][moves[-1]] == Op.TRAVERSE
+    if not known and not at_rapid and not np.isfinite(height):
+        raise CannotResume("where Z is there rests on an offset that is not known, and the job has not gone across yet")
     plane = here if at_rapid else max(here, height) if np.isfinite(height) else top
+    plane = min(top, plane) if known else plane
 
     def earlier(number: int) -> dict[str, float] | None:
         row = int(np.searchsorted(rows["line"], number)) - 1
@@ -218,7 +243,7 @@ def _start(session: Session, trace: Trace, rows: Columns, first: int, line: int)
     return Start(
         before=earlier, line=line, job=session.job.name,
         at=tuple((word, float(at[axis.index])) for word, axis in axes.items()),
-        top=top, plane=min(top, plane), plunge=plunge,
+        top=top, plane=plane, plunge=plunge, work=() if known else (0.0,) * len(axes),
     )  # fmt: skip
 
 

@@ -25,7 +25,8 @@ class Start:
     at: axis letter -> machine position before that line, mm or degrees, for the axes of the machine; top: machine
     position of Z to which it is raised first; plane: down to which it goes at rapid, the rest at feed. plunge: mm/min,
     the slowest at which the job has gone down so far, None: it has not. before: line -> machine position before it, by
-    axis letter, None: not known.
+    axis letter, None: not known. work: where places rest on an offset that is not known, the known part of the zero, in
+    the order of at, so that they can be said in work coordinates; else empty.
     """
 
     line: int
@@ -35,6 +36,7 @@ class Start:
     plane: float
     plunge: float | None = None
     before: Callable[[int], dict[str, float] | None] | None = None
+    work: tuple[float, ...] = ()
 
 
 @record(frozen=True, slots=True)

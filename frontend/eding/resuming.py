@@ -297,7 +297,7 @@ def _letters(text: str) -> Words:
 
 def _words(plain: str, line: int, variables: Variables) -> Words:
     """The words of a line; CannotResume for a line that has more than words."""
-    if plain in ("", "%"):
+    if plain in ("", "%") or re.match(r"(?:N\s*\d+\s*)?MSG\b", plain):
         return []
     left = _WORD.sub(" ", plain).strip()
     if left:
@@ -324,9 +324,12 @@ def _added(modes: _Modes, start: Start) -> list[str]:
     inch = modes.code("units") in ("20", "70")
 
     def place(*letters: str) -> str:
-        at = dict(start.at)
         return "".join(f" {letter}{_place(at[letter], inch and letter in 'XYZ')}" for letter in letters)
 
+    zero = start.work or (0.0,) * len(start.at)
+    at = {letter: value - known for (letter, value), known in zip(start.at, zero, strict=True)}
+    plane = start.plane - dict(start.at)["Z"] + at["Z"]
+    machine = "" if start.work else " G53"
     across = [letter for letter, _ in start.at if letter != "Z"]
     out = [f"{'G20' if inch else 'G21'} G90 G94 G40 G49 G80 G{modes.code('plane') or '17'}"]
     out += ["G92.1"] if modes.cleared else []
@@ -342,7 +345,7 @@ def _added(modes: _Modes, start: Start) -> list[str]:
     out += [f"G{modes.code('retract')}"] if modes.code("retract") else []
     out += [f"M{modes.overrides}"] if modes.overrides else []
     if across:
-        out.append("G0 G53" + place(*across))
+        out.append(f"G0{machine}" + place(*across))
     if "S" in modes.words or modes.spindle in ("3", "4"):
         speed = f"S{modes.words['S']}" if "S" in modes.words else ""
         turning = f"M{modes.spindle}" if modes.spindle in ("3", "4") else ""
@@ -350,18 +353,18 @@ def _added(modes: _Modes, start: Start) -> list[str]:
         out += [modes.spinning_up] if modes.spinning_up and turning else []
     out += [f"M{code}" for code in sorted(modes.coolant)]
     out += [f"M{code} P{number}" for number, code in modes.outputs.items()]
-    out.append(f"G0 G53 Z{_place(start.plane, inch)}")
+    out.append(f"G0{machine} Z{_place(plane, inch)}")
     if UNKNOWN in (modes.words.get("F"), modes.words.get("S"), modes.words.get("T"), modes.tool):
         raise CannotResume(f"F, S or T before line {start.line} is an expression")
     if "F" in modes.words:
         slower = start.plunge is not None and start.plunge < float(modes.words["F"]) * (25.4 if inch else 1)
         feed = _place(start.plunge, inch) if slower and start.plunge is not None else modes.words["F"]
-        out.append(f"G1 G53{place('Z')} F{feed}")
+        out.append(f"G1{machine}{place('Z')} F{feed}")
         out += [f"F{modes.words['F']}"] if slower else []
     elif start.plane != dict(start.at)["Z"]:
         raise CannotResume(f"no feed is known before line {start.line}, with which the tool could go down")
     if modes.code("motion") in ("", "0"):
-        out.append(f"G0 G53{place('Z')}")
+        out.append(f"G0{machine}{place('Z')}")
     out += _here(modes, start, inch)
     if modes.code("distance") == "91":
         out.append("G91")
@@ -385,7 +388,7 @@ def _here(modes: _Modes, start: Start, inch: bool) -> list[str]:
     for kind, letter, value, line in modes.zeros.values():
         if kind.startswith("G10 L2 "):
             continue
-        then = start.before(line) if start.before is not None else None
+        then = start.before(line) if start.before is not None and not start.work else None
         if then is None or letter not in then:
             raise CannotResume(f"line {line}: where the axes were at {kind} is not known", line)
         number = float(value) + now[letter] - then[letter]

@@ -290,8 +290,32 @@ def test_a_line_before_that_can_is_named(shop: Path) -> None:
     assert resume(shop, 3).exit == 0
 
 
+def test_where_the_zero_is_not_known_the_way_there_is_said_in_work_coordinates(shop: Path) -> None:
+    (shop / "setup.toml").write_text('schema = "gproof-setup/1"\nunits = "mm"\n')
+    lines = ["G21 G90 G49", "G10 L2 P1 X7", "G0 G53 Z60", "G0 Z12", "G0 X5 Y6", "G1 Z1 F100", "G1 X9 F200", "Y9", "M30"]
+    (shop / "part.cnc").write_text("\n".join([*lines, ""]))
+    done = in_this_process(
+        ["resume", "part.cnc", "--from-line", "8", "--machine", "machine.toml", "--setup", "setup.toml", "-o", "r.cnc"],
+        shop,
+    )
+    assert done.exit == 0, done.err
+    assert "from a zero that is not known" in done.out
+    assert (shop / "r.cnc").read_text().splitlines() == [
+        "(part.cnc from line 8, by gproof)", "G21 G90 G94 G40 G49 G80 G17", "G10 L2 P1 X7", "G0 G53 Z60",
+        "G0 X9 Y6", "G0 Z12", "G1 Z1 F100", "F200", "Y9", "M30",
+    ]  # fmt: skip
+
+
 CORPUS = Path(__file__).resolve().parents[2] / "corpus" / "eding"
-TAKEN_UP = ("drilled-plate", "bored-and-reamed", "drill-rows", "inch-bracket", "tapped-flange", "gantry-slave")
+TAKEN_UP = (
+    "drilled-plate",
+    "bored-and-reamed",
+    "drill-rows",
+    "inch-bracket",
+    "tapped-flange",
+    "gantry-slave",
+    "clamped-bracket",
+)
 
 
 @pytest.mark.parametrize("many", sizes(1, 30))
@@ -301,12 +325,14 @@ def test_at_lines_of_jobs_the_rest_has_the_places_of_the_job(many: int, tmp_path
     for name in TAKEN_UP:
         chance, job = random.Random(name), CORPUS / name / "job.cnc"
         lines = job.read_text().splitlines()
+        setup = told[name].get("setup", "zero")
+        setup = setup if setup == "zero" else str(CORPUS / setup)
         taken = 0
         for _ in range(3 * many):
             line, out = chance.randint(1, len(lines) - 1), tmp_path / "rest.cnc"
             out.unlink(missing_ok=True)
             words = ["resume", str(job), "--from-line", str(line), "--machine", str(CORPUS / told[name]["machine"])]
-            done = in_this_process([*words, "--setup", "zero", "-o", str(out)], tmp_path)
+            done = in_this_process([*words, "--setup", setup, "-o", str(out)], tmp_path)
             assert done.exit in (0, 3) and done.err.count("\n") == (done.exit == 3), done.err
             assert out.exists() == (done.exit == 0)
             if done.exit:
