@@ -87,7 +87,7 @@ def _line_of(journal: Path, job: Path, notes: list[str]) -> int:
         raise UsageError(f"{job}: not the program that was run; use --from-line")
     first, last = place.from_line[1], place.to_line[1]
     again = f"line {first}" if first == last else f"lines {first} to {last}"
-    notes.append(f"overlap     {again}: may have been executed already, in part or whole")
+    notes.append(f"overlap     {again}: may have been executed already, in part or completely")
     known = "where the axes are is not known: " if status.position is None else ""
     notes.append(f"first       {known}home the machine")
     return first

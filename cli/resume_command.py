@@ -40,10 +40,10 @@ def resume(
     job: Path, machine: Path, setup: str, dialect: str | None, from_line: int | None, from_journal: Path | None,
     output: Path, package: Path | None,
 ) -> int:  # fmt: skip
-    """Write a new program that goes on with JOB in its middle.
+    """Write a new program that continues JOB in its middle.
 
-    It takes up again the modes, tool, spindle and coolant, goes to its place from above, and then has the lines of the
-    job. It is executed before it is written: what it does after the way there must be what the job does. For programs
+    It takes up again the modes, tool, spindle and coolant, moves to its place from above, and then has the lines of
+    the job. It is executed before it is written: what it does after the path there must be what the job does. For programs
     of Eding CNC.
 
     Exit code: 0 written, 1 UNSAFE or 2 UNKNOWN with --package, 3 the job cannot go on there, or the command could not

@@ -134,7 +134,7 @@ def _where(status: RunStatus) -> Iterator[str]:
         return
     last = record.sections[-1]
     whole = "complete" if last.outcome.value == "completed" else "not complete"
-    said = f"  executed    {len(record.sections)} sections begun, section {last.number} {whole}"
+    said = f"  executed    {len(record.sections)} sections started, section {last.number} {whole}"
     if place is not None and whole != "complete":
         file, first = place.from_line
         other, to = place.to_line

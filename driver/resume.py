@@ -162,7 +162,7 @@ def _way_there(session: Session, start: Start, rows: Columns, trace: Trace) -> s
     axes = {axis.word: axis.index for axis in session.machine.axes}
     at = np.array([value for _, value in start.at])
     if not len(places) or not np.allclose(places[-1][[axes[word] for word, _ in start.at]], at, rtol=0, atol=CLOSE):
-        return "the way there would end at another place"
+        return "the path there would end at another place"
     others = [axes[word] for word, _ in start.at if word != "Z"]
     across = (np.abs(np.diff(places[:, others], axis=0)) > CLOSE).any(axis=1)
     height = places[:, axes["Z"]]
@@ -170,7 +170,7 @@ def _way_there(session: Session, start: Start, rows: Columns, trace: Trace) -> s
     if not up[0] or not up[1:][across].all():
         return "the way there would not come from above"
     if abs(height[0] - start.top) > CLOSE or (np.abs(height[1:][across] - start.top) > CLOSE).any():
-        return "the way there would not come from above"
+        return "the path there would not come from above"
     return ""
 
 

@@ -19,7 +19,7 @@ from gproof.ir.record import record
 from gproof.ir.stream import StreamSection
 from gproof.verify.certificate.package import CertificateError, read_package
 
-Ask = Callable[[int, bytes], "Told | None"]
+Ask = Callable[[int, bytes], Told | None]
 """Asks a board for so many motors of a stream; BoardError."""
 
 RUNNING, OVER, INTERRUPTED, DAMAGED, NOTHING = "running", "ended", "interrupted", "damaged", "not-started"

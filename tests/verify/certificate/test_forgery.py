@@ -45,6 +45,7 @@ WITHIN: dict[str, str] = {
     r"runs: \d/\d run \d+ (interval|add) (one (more|less)|a little more|negated|zero)": "a few ticks",
     r"runs: \d/\d run \d+ (before its neighbour)": "two runs that differ in ticks alone",
     r"events: \d event \d tick one (more|less)": "a tick",
+    r"machine: board\.(port|baud) .*": "where the board is plugged in today: another port is the same machine",
     # docs/certificate.md, "The setup at hand".
     r"setup: name .*|setup: homed\.[45] .*|setup: homed (last twice|turned round)":
         "a name; axes that the machine does not have, or the same in another order",
