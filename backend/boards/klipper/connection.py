@@ -49,6 +49,12 @@ class Answer(NamedTuple):
 Handler = Callable[[Answer], None]
 
 
+ANSWERED_ALWAYS = frozenset(
+    ("identify_response", "config", "clock", "uptime", "cert_state", "cert_motor", "cert_identity")
+)
+"""Answers that come in a shutdown too. What is said of one meanwhile may be meant for a host before this one."""
+
+
 class Shutdown(BoardError):
     """The board is in a shutdown and answers nothing else."""
 
@@ -200,5 +206,6 @@ class Connection:
             self._answers.append(answer)
         else:
             self.handler(answer)
-            if self._answers is not None and answer.name in ("shutdown", "is_shutdown"):
+            over = answer.name in ("shutdown", "is_shutdown")
+            if over and self._answers is not None and self._awaited not in ANSWERED_ALWAYS:
                 raise Shutdown("the board is in a shutdown")
