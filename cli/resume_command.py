@@ -43,8 +43,8 @@ def resume(
     """Write a new program that continues JOB in its middle.
 
     It takes up again the modes, tool, spindle and coolant, moves to its place from above, and then has the lines of
-    the job. It is executed before it is written: what it does after the path there must be what the job does. For programs
-    of Eding CNC.
+    the job. It is executed before it is written: what it does after the path there must be what the job does. For
+    programs of Eding CNC.
 
     Exit code: 0 written, 1 UNSAFE or 2 UNKNOWN with --package, 3 the job cannot go on there, or the command could not
     run.

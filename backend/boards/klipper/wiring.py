@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 
 from gproof.backend.boards.board import BoardError
-from gproof.backend.boards.klipper.connection import Connection
+from gproof.backend.boards.klipper.connection import Connection, Shutdown
 from gproof.backend.boards.klipper.dictionary import DictionaryError
 from gproof.backend.boards.outputs import Switched, pins_of
 from gproof.ir.record import field, record
@@ -147,6 +147,8 @@ def configure(connection: Connection, commands: Sequence[bytes]) -> None:
             connection.transport.send(command)
         connection.send("finalize_config", crc=checksum)
         before = connection.query("get_config", "config").fields
+        if before["is_shutdown"]:
+            raise Shutdown("the board is in a shutdown")
     if not before["is_config"] or before["crc"] != checksum:
         raise BoardError(
             "the board is configured for another machine, pins or pulse: reset it (switch it off and on) and try again"

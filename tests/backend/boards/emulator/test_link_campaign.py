@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import random
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -29,6 +30,7 @@ from gproof.backend.boards.emulator.emulator import Emulator, Options
 from gproof.backend.boards.emulator.log_reader import Told, read
 from gproof.backend.boards.klipper.connection import Connection
 from gproof.backend.boards.klipper.driver import KlipperBoard
+from gproof.backend.boards.klipper.wiring import OutputPin
 from gproof.backend.control import Control
 from gproof.backend.job import CertifiedJob
 from gproof.backend.operators import AutoContinue, HoldRequest
@@ -36,6 +38,7 @@ from gproof.backend.record import parse_record, problems
 from gproof.backend.record_data import ExecutionRecord, Result
 from gproof.backend.record_proof import Proof, proofs
 from gproof.backend.runtime import Hold, walk
+from gproof.ir.machine import Pin, WiredOutput
 
 
 @pytest.mark.parametrize("count", sizes(24, 5000))
@@ -90,6 +93,20 @@ def test_feed_holds_and_overrides_end_as_asked_and_every_step_is_proved(many: in
         assert all(known.proof is Proof.PROVED for known in proofs(record, one)), seed
 
 
+MISTED = replace(WIRING, outputs={"mist": OutputPin(pin="PB0")})
+"""What the jobs switch has a pin: where the operator does it, a section rests, and no override changes before that."""
+
+
+def wired(one: CertifiedJob) -> CertifiedJob:
+    """A job for a machine with these pins."""
+    board = replace(one.machine.board, outputs=(WiredOutput(output="mist", pin=Pin(name="PB0")),))
+    return replace(one, machine=replace(one.machine, board=board))
+
+
+REST = 0.003
+"""Seconds of a report of progress."""
+
+
 @pytest.mark.parametrize("many", sizes(6, 200))
 def test_an_override_that_changes_on_the_way_is_made_and_every_step_is_proved(many: int) -> None:
     """The board's clock goes on while a change is worked out: what is not sent by then comes at the new rate."""
@@ -101,11 +118,13 @@ def test_an_override_that_changes_on_the_way_is_made_and_every_step_is_proved(ma
         def wish(part: float, wishes: list = wishes, control: Control = control) -> None:
             while wishes and part >= wishes[0][0]:
                 control.override(wishes.pop(0)[1])
+            # Simulated time waits for nobody: without a rest now and then a run is over before a change is worked out.
+            time.sleep(REST)
 
-        one, board = jobs()[seed % len(jobs())], Emulator(Options(frequency=FREQUENCY, baud=1_000_000))
+        one, board = wired(jobs()[seed % len(jobs())]), Emulator(Options(frequency=FREQUENCY, baud=1_000_000))
         record = walk(
             one,
-            KlipperBoard(EmulatedLine(board).connect, WIRING, pulse=2, direction_setup=5),
+            KlipperBoard(EmulatedLine(board).connect, MISTED, pulse=2, direction_setup=5),
             control=control,
             on_progress=wish,
             on_override=lambda factor, seconds, told=told: told.append((factor, seconds)),
