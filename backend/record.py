@@ -154,6 +154,9 @@ def _bounds(done: SectionRecord, section: StreamSection, where: str, broken: boo
     if any(not least <= most <= all_ for least, most, all_ in zip(done.steps, done.most, whole, strict=False)):
         yield f"{where}: {list(done.most)} steps at most, {list(done.steps)} at least, {list(whole)} in the stream"
     for loss in done.losses:
-        later = any(least > made for least, made in zip(loss.steps, done.steps, strict=True))
+        # The journal of a host that was killed just then says more of the loss than of the section.
+        later = done.outcome is not Result.INTERRUPTED and any(
+            least > made for least, made in zip(loss.steps, done.steps, strict=True)
+        )
         if later or any(least > most for least, most in zip(loss.steps, loss.most, strict=False)):
             yield f"{where}: {list(loss.steps)} steps were known when the board was lost, {list(done.steps)} later"

@@ -67,8 +67,8 @@ takes minutes to simulate."""
 LATENCY = 0.01
 """Seconds from the end of sending until a board on a link has stored what came, and until the host hears of it."""
 
-PREPARING = 0.2
-"""Seconds for calculating a feed hold while a board runs, in addition to twice what a rehearsal took."""
+PREPARING = 0.02
+"""Seconds for calculating a feed hold while a board runs, in addition to one and a half times what a rehearsal took."""
 
 EVERY = 0.1
 """Seconds between two words about where a run is."""
@@ -429,7 +429,7 @@ class _Walk:
         began = time.monotonic()
         if is_.real_time:
             self.retimer.hold(section, section.duration // 2, ticks)
-        seconds = PREPARING + 2 * (time.monotonic() - began)
+        seconds = PREPARING + 1.5 * (time.monotonic() - began)
         lead = int(LEAD * ticks)
         if is_.link_rate:
             lead = max(lead, self._link_plan(is_, section).lead)

@@ -261,7 +261,7 @@ class SectionRun:
         if self._asked is None:
             # The board goes on: the hold starts where its FIFO will be fed no further.
             self._worker = self._worker or ThreadPoolExecutor(max_workers=1)
-            at = max(now, self._feeder.sent_until, now + self.pace.lookahead + self._patience)
+            at = self._later(now)
             self._asked = (at, self._worker.submit(self._ready, section, at, rest))
             return
         at, future = self._asked
@@ -293,8 +293,7 @@ class SectionRun:
             return
         if wanted is None or wanted in (self.factor, self._refused):
             return
-        ahead = self.pace.lookahead + self._patience if self.is_.real_time else 0
-        at = max(now + ahead, self._feeder.sent_until, 1)
+        at = self._later(now) if self.is_.real_time else max(now, self._feeder.sent_until, 1)
         if at >= section.duration or any(at < r.rest_begins + r.rest for r in self.ended.retimings):
             return
         if not self.is_.real_time:
@@ -318,6 +317,11 @@ class SectionRun:
         self._replace(*ready)
         self.factor, self._refused = factor, None
         self.on_override(factor, ticks / self.is_.tick_frequency)
+
+    def _later(self, now: int) -> int:
+        """The first tick that is not sent and can be left so until a retiming from there on is worked out and sent."""
+        sending = self.pace.lookahead // 2 + int(SLICE * self.is_.tick_frequency)
+        return max(self._feeder.sent_until, now + sending + self._patience, 1)
 
     def _ready(self, section: StreamSection, at: int, rest: int) -> _Ready | None:
         """A hold with its feeder, which takes a moment to make for a long section."""

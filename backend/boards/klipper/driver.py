@@ -217,7 +217,8 @@ class KlipperBoard:
 
     def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
         """See Board; the first section after power-up tells where the motors are."""
-        self._executed = ()
+        # What the board counts is of the section before until it has taken this one.
+        self._executed, self._section, self._section_taken, self._section_sent = (), number, False, _NEVER
         self._round()
         if self._state is not BoardState.IDLE:
             raise BoardError(f"section {number}: the board is {self._state.value} {self._reason}".rstrip())
