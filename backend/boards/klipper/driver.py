@@ -235,7 +235,6 @@ class KlipperBoard:
         self._base = live.tick_in(START) + max(0, lead)
         if live.certified:
             live.link.send("cert_begin", identity=self._identity)
-            self._section, self._section_taken = number, False
             self._section_sent = live.link.send("cert_section", number=number, clock=self._base & _WORD)
         for oid, motor in enumerate(self._motors):
             motor.section(start[oid], self._base, self._identity, number)
