@@ -102,7 +102,7 @@ def _written(
         why = _way_there(again, start, ahead, new_trace)
         frame = int(rows["frame"][first - 1]) if first else trace.sections[0].start_frame
         if not why and trace.frames[frame] != new_trace.frames[int(ahead["frame"][-1])]:
-            why = "the way there would end on other offsets"
+            why = "the path there would end on other offsets"
         why = why or _other(
             (trace, rows.slice(first, len(rows)), line - 1),
             (new_trace, new_rows.slice(new_first, len(new_rows)), added),
@@ -168,7 +168,7 @@ def _way_there(session: Session, start: Start, rows: Columns, trace: Trace) -> s
     height = places[:, axes["Z"]]
     up = np.array([not frame[2] for frame in trace.frames], dtype=bool)[rows["frame"][moves]]
     if not up[0] or not up[1:][across].all():
-        return "the way there would not come from above"
+        return "the path there would not come from above"
     if abs(height[0] - start.top) > CLOSE or (np.abs(height[1:][across] - start.top) > CLOSE).any():
         return "the path there would not come from above"
     return ""
