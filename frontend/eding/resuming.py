@@ -362,7 +362,7 @@ def _added(modes: _Modes, start: Start) -> list[str]:
         out.append(f"G1{machine}{place('Z')} F{feed}")
         out += [f"F{modes.words['F']}"] if slower else []
     elif start.plane != dict(start.at)["Z"]:
-        raise CannotResume(f"no feed is known before line {start.line}, with which the tool could go down")
+        raise CannotResume(f"no feed is known before line {start.line}, with which the tool could be lowered")
     if modes.code("motion") in ("", "0"):
         out.append(f"G0{machine}{place('Z')}")
     out += _here(modes, start, inch)

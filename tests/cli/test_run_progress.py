@@ -86,7 +86,12 @@ def test_who_watches_is_told_where_it_is_and_may_go(monkeypatch: pytest.MonkeyPa
 
 
 def test_json_lines(shop: Shop) -> None:
-    done = shop("run", "made.gpx", "--board", "emulator", "--progress", "jsonl", "--record", "told.json")
+    words = ("--progress", "jsonl", "--record", "told.json", "--replace-record")
+    for _ in range(3):
+        done = shop("run", "made.gpx", "--board", "emulator", *words)
+        # Two processes in real time: where the computer held one of them, its clock was taken for a wrong one.
+        if "runs at another rate" not in done.err:
+            break
     assert done.exit == 0, done
     told = [json.loads(line) for line in done.err.splitlines()]
     assert told[0] == {

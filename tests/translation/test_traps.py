@@ -127,6 +127,12 @@ def _same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
+def _same_rate(one: Any, other: Any) -> bool:
+    """Of feeds, with the digits that inches a minute are printed with."""
+    numbers = isinstance(one, int | float) and isinstance(other, int | float)
+    return numbers and abs(one - other) <= 1e-5 * abs(one)
+
+
 def difference(expected: list[dict[str, Any]], found: list[dict[str, Any]]) -> str:
     """The first place where two traces part, "" for none."""
     for n, row in enumerate(expected):
@@ -135,7 +141,11 @@ def difference(expected: list[dict[str, Any]], found: list[dict[str, Any]]) -> s
         made = found[n] if found[n]["op"] != "arc" else {"plane": "XY"} | found[n]
         wanted = {"plane": "XY"} | row if row["op"] == "arc" else row
         waits = row["op"] == "dwell" and "seconds" not in row and made["op"] in {"dwell", "stop"}
-        if not waits and not all(_same(value, made.get(key)) for key, value in wanted.items() if key != "when"):
+        if not waits and not all(
+            _same(value, made.get(key)) or (key == "feed" and _same_rate(value, made.get(key)))
+            for key, value in wanted.items()
+            if key != "when"
+        ):
             return f"{made} in place of {row}"
         if waits and "seconds" in made:
             return f"{made} in place of {row}"

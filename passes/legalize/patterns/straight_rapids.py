@@ -177,7 +177,7 @@ def to_the_hole(node: Node, feature: str, context: Context) -> list[Node] | None
         return None
     top, before = context.mm(node.top.at), context.place.get(node.top.axis)
     if top is None or before is None or any(context.mm(place.at) is None for place in node.at):
-        context.why = "its rapids are not straight, and from which height it goes to its hole is not known"
+        context.why = "its rapids are not straight, and from which height it moves to its hole is not known"
         return None
     there: list[Node] = [MoveTo(to=node.at, kind="rapid", span=node.span)]
     if before < top:
