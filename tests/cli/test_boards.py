@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from cli.test_run_on_ports import emulator
 from support.command import Done, in_this_process
 
 from gproof.backend.boards.emulator.log_reader import read
@@ -17,20 +14,6 @@ from gproof.backend.boards.klipper import connection
 from gproof.backend.boards.klipper.connection import NOBODY
 from gproof.backend.boards.registry import BOARDS
 from gproof.cli.boards import _ranges
-
-EMULATOR = [sys.executable, "-m", "gproof.backend.boards.emulator"]
-
-
-@contextmanager
-def emulator(*words: str) -> Iterator[str]:
-    process = subprocess.Popen([*EMULATOR, *words], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    try:
-        yield process.stdout.readline().removeprefix("port: ").strip()
-    finally:
-        process.terminate()
-        process.wait(10)
-        process.stdout.close()
 
 
 def gproof(folder: Path, *words: str) -> Done:
